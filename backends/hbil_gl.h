@@ -1,0 +1,717 @@
+/* hbil_gl.h - runs a plan of hbil.h on OpenGL 4.3 or later: three calls to set up, one call a frame.
+ *
+ * May be used as it is. In exactly one C99 or C++11 file, define HBIL_GL_IMPLEMENTATION before the include; the
+ * implementation of hbil.h has to be in the program too. Includes no GL header and links no GL library: every function comes
+ * through your callback, so glad, GLEW, epoxy, SDL, GLFW, EGL, GLX, WGL or OSMesa may have made the context, and any GL
+ * header may stand in the same file before or after this one.
+ *
+ * Features
+ *   [x] Any plan with target=gl: inputs, outputs, transient and history textures (copies, age)
+ *   [x] Barriers: glMemoryBarrier exactly where the plan says, with the narrowest bits
+ *   [x] Your textures are checked once, on resize: missing, not 2D, too small, wrong format; the message names the fix
+ *   [x] No heap, no thread, no global: the context lives in your memory (6 KB), text passes through your scratch buffer
+ *   [x] Puts back all GL state that it touches (list below); tests/gpu/test_gl_state.c sets each item and compares
+ *   [x] Milliseconds per pass, also on software rasterisers
+ *   [x] Labels on programs and textures, for RenderDoc and debug output
+ *   [ ] OpenGL ES
+ *   [ ] Contexts older than 4.3 with ARB_compute_shader and friends
+ *   [ ] Mip chains: no plan has them yet
+ *   [ ] Transient textures that share memory
+ *   [ ] History textures cleared on resize: they start with undefined content
+ *   [ ] Program binaries: cache them around this file, or let the driver do it
+ *
+ * Who owns what
+ *   | thing                         | made by        | freed by                                  |
+ *   | context, get_proc, its user   | you            | you; current in every call of this file   |
+ *   | hbil_gl (the struct)          | you            | you, after hbil_gl_shutdown               |
+ *   | scratch buffer                | you            | you, right after hbil_gl_init             |
+ *   | plan                          | you            | you, right after hbil_gl_init: it is copied |
+ *   | INPUT and OUTPUT textures     | you            | you, after the next resize or shutdown    |
+ *   | TRANSIENT, HISTORY textures   | hbil_gl_resize | hbil_gl_resize, hbil_gl_shutdown          |
+ *   | a program per pass            | hbil_gl_init   | hbil_gl_shutdown                          |
+ *   | one sampler, one buffer       | hbil_gl_init   | hbil_gl_shutdown                          |
+ *
+ * State put back
+ *   hbil_gl_init, hbil_gl_shutdown   touch none
+ *   hbil_gl_resize                   GL_TEXTURE_BINDING_2D of the active unit
+ *   hbil_gl_run                      GL_CURRENT_PROGRAM
+ *                                    GL_ACTIVE_TEXTURE
+ *                                    of each texture unit that the plan uses: GL_TEXTURE_BINDING_2D, GL_SAMPLER_BINDING
+ *                                    of each image unit that the plan uses: GL_IMAGE_BINDING_NAME, _LEVEL, _LAYERED, _LAYER,
+ *                                    _ACCESS, _FORMAT
+ *                                    of the uniform binding that the plan uses: GL_UNIFORM_BUFFER_BINDING, _START, _SIZE
+ *                                    GL_UNIFORM_BUFFER_BINDING (the generic one)
+ *   A current program that you have already deleted cannot be put back, since GL frees it when it stops being current: 0 is
+ *   current afterwards. Call hbil_gl_run outside transform feedback and conditional rendering, which GL applies to it too.
+ *   glGetError is never called while all goes well, so errors of yours stay pending. Where a GL call of ours fails (a texture
+ *   that is not 2D, no memory), its error is taken off again and the message shows it; one of yours that was pending then goes
+ *   with it, since GL keeps the first only.
+ *
+ * Integration in five steps
+ *   1. Plan: hbil_config c = {0}; c.target = HBIL_TARGET_GL; hbil_plan_build(&c, &plan, &diags);
+ *   2. With your context current:
+ *          static void *get_proc(void *user, const char *name) { (void)user; return SDL_GL_GetProcAddress(name); }
+ *          static char scratch[HBIL_GLSL_MAX];
+ *          hbil_gl_info info = {0};
+ *          info.plan = &plan; info.get_proc = get_proc; info.scratch = scratch; info.scratch_size = sizeof scratch;
+ *          if (hbil_gl_init(&info, &gl) != HBIL_GL_OK) puts(gl.message);
+ *   3. When the size or a texture of yours changes: put your texture names where the plan wants them, then resize. INPUT: any
+ *      2D texture with level 0 of a float, normalised or depth format, texels fetched without filter. OUTPUT: of exactly
+ *      hbil_gl_format(plan.textures[i].format). All at least as large as the frame; larger is fine, texel 0,0 is the corner.
+ *          unsigned textures[HBIL_MAX_TEXTURES] = {0};
+ *          textures[hbil_plan_texture(&plan, "depth")] = my_depth; ...
+ *          hbil_gl_resize(&gl, width, height, textures);
+ *      With an unchanged size this keeps our textures, so it is cheap enough to swap yours every frame.
+ *   4. Each frame, after your G-buffer: hbil_gl_run(&gl, &frame);   If you wrote inputs by image stores, glMemoryBarrier first.
+ *   5. Before you read outputs: glMemoryBarrier with the bit of your next use, mostly GL_TEXTURE_FETCH_BARRIER_BIT. At the end:
+ *      hbil_gl_shutdown(&gl);
+ *
+ * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-22  NEW   first version
+ */
+
+#ifndef HBIL_GL_H
+#define HBIL_GL_H
+
+#ifndef HBIL_H
+#include "hbil.h"
+#endif
+
+#ifndef HBIL_GL_API
+#define HBIL_GL_API extern
+#endif
+
+/* GL's calling convention. Differs from C's on 32-bit Windows only. */
+#if defined(_WIN32) && !defined(_WIN64)
+#define HBIL_GL_CALL __stdcall
+#else
+#define HBIL_GL_CALL
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define HBIL_GL_MAX_COPIES 4  /* of one HISTORY texture */
+#define HBIL_GL_MAX_UNITS  16 /* texture units and image units 0..15 */
+
+/* Result of every call that can fail; hbil_gl.message then says what to do. This list makes the enum and the names. */
+#define HBIL_GL_RESULTS(X)                                                  \
+    X(OK,         "success")                                                \
+    X(E_ARG,      "null pointer, number out of range, or call out of order") \
+    X(E_CONTEXT,  "no current context, or not desktop OpenGL 4.3")          \
+    X(E_FUNCTION, "get_proc does not know a GL function")                   \
+    X(E_PLAN,     "plan is for another target or exceeds a limit")          \
+    X(E_SPACE,    "scratch buffer too small")                               \
+    X(E_COMPILE,  "the driver rejects a shader")                            \
+    X(E_TEXTURE,  "a texture of yours is missing, too small or of the wrong format") \
+    X(E_MEMORY,   "a texture of ours cannot be made")                       \
+    X(E_FRAME,    "frame does not fit the plan or the last resize")
+#define HBIL_GL__RESULT_ENUM(name, text) HBIL_GL_##name,
+typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESULT_COUNT } hbil_gl_result;
+
+/* GL functions in use, named as WebGL names them: no GL header has macros of these names. */
+#define HBIL_GL__FUNCTIONS(X)                                                                                            \
+    X(void,     activeTexture,          "glActiveTexture",          (unsigned unit))                                     \
+    X(void,     attachShader,           "glAttachShader",           (unsigned program, unsigned shader))                 \
+    X(void,     bindBuffer,             "glBindBuffer",             (unsigned target, unsigned buffer))                  \
+    X(void,     bindBufferBase,         "glBindBufferBase",         (unsigned target, unsigned index, unsigned buffer))  \
+    X(void,     bindBufferRange,        "glBindBufferRange",        (unsigned target, unsigned index, unsigned buffer,   \
+                                                                     ptrdiff_t offset, ptrdiff_t size))                  \
+    X(void,     bindImageTexture,       "glBindImageTexture",       (unsigned unit, unsigned texture, int level,         \
+                                                                     unsigned char layered, int layer, unsigned access,  \
+                                                                     unsigned format))                                   \
+    X(void,     bindSampler,            "glBindSampler",            (unsigned unit, unsigned sampler))                   \
+    X(void,     bindTexture,            "glBindTexture",            (unsigned target, unsigned texture))                 \
+    X(void,     bufferData,             "glBufferData",             (unsigned target, ptrdiff_t size, const void *data,  \
+                                                                     unsigned usage))                                    \
+    X(void,     compileShader,          "glCompileShader",          (unsigned shader))                                   \
+    X(unsigned, createProgram,          "glCreateProgram",          (void))                                              \
+    X(unsigned, createShader,           "glCreateShader",           (unsigned type))                                     \
+    X(void,     deleteBuffers,          "glDeleteBuffers",          (int count, const unsigned *buffers))                \
+    X(void,     deleteProgram,          "glDeleteProgram",          (unsigned program))                                  \
+    X(void,     deleteSamplers,         "glDeleteSamplers",         (int count, const unsigned *samplers))               \
+    X(void,     deleteShader,           "glDeleteShader",           (unsigned shader))                                   \
+    X(void,     deleteTextures,         "glDeleteTextures",         (int count, const unsigned *textures))               \
+    X(void,     dispatchCompute,        "glDispatchCompute",        (unsigned x, unsigned y, unsigned z))                \
+    X(void,     finish,                 "glFinish",                 (void))                                              \
+    X(void,     genBuffers,             "glGenBuffers",             (int count, unsigned *buffers))                      \
+    X(void,     genSamplers,            "glGenSamplers",            (int count, unsigned *samplers))                     \
+    X(void,     genTextures,            "glGenTextures",            (int count, unsigned *textures))                     \
+    X(unsigned, getError,               "glGetError",               (void))                                              \
+    X(void,     getInteger64i_v,        "glGetInteger64i_v",        (unsigned name, unsigned index, int64_t *value))     \
+    X(void,     getInteger64v,          "glGetInteger64v",          (unsigned name, int64_t *value))                     \
+    X(void,     getIntegeri_v,          "glGetIntegeri_v",          (unsigned name, unsigned index, int *value))         \
+    X(void,     getIntegerv,            "glGetIntegerv",            (unsigned name, int *value))                         \
+    X(void,     getProgramInfoLog,      "glGetProgramInfoLog",      (unsigned program, int size, int *length,           \
+                                                                     char *log))                                         \
+    X(void,     getProgramiv,           "glGetProgramiv",           (unsigned program, unsigned name, int *value))       \
+    X(void,     getShaderInfoLog,       "glGetShaderInfoLog",       (unsigned shader, int size, int *length,            \
+                                                                     char *log))                                         \
+    X(void,     getShaderiv,            "glGetShaderiv",            (unsigned shader, unsigned name, int *value))        \
+    X(const unsigned char *, getString, "glGetString",              (unsigned name))                                     \
+    X(void,     getTexLevelParameteriv, "glGetTexLevelParameteriv", (unsigned target, int level, unsigned name,          \
+                                                                     int *value))                                        \
+    X(unsigned char, isProgram,         "glIsProgram",              (unsigned program))                                  \
+    X(unsigned char, isTexture,         "glIsTexture",              (unsigned texture))                                  \
+    X(void,     linkProgram,            "glLinkProgram",            (unsigned program))                                  \
+    X(void,     memoryBarrier,          "glMemoryBarrier",          (unsigned bits))                                     \
+    X(void,     objectLabel,            "glObjectLabel",            (unsigned kind, unsigned name, int length,           \
+                                                                     const char *label))                                 \
+    X(void,     samplerParameteri,      "glSamplerParameteri",      (unsigned sampler, unsigned name, int value))        \
+    X(void,     shaderSource,           "glShaderSource",           (unsigned shader, int count,                         \
+                                                                     const char *const *text, const int *lengths))       \
+    X(void,     texStorage2D,           "glTexStorage2D",           (unsigned target, int levels, unsigned format,       \
+                                                                     int width, int height))                             \
+    X(void,     useProgram,             "glUseProgram",             (unsigned program))
+#define HBIL_GL__MEMBER(type, member, name, args) type (HBIL_GL_CALL *member) args;
+typedef struct hbil_gl_functions { HBIL_GL__FUNCTIONS(HBIL_GL__MEMBER) } hbil_gl_functions;
+
+/* What hbil_gl_init needs. Zero every member first. */
+typedef struct hbil_gl_info {
+    const hbil_plan *plan;      /* built with target=gl */
+    void *(*get_proc)(void *user, const char *name); /* address of a GL function of the current context, NULL: unknown */
+    void  *user;                /* handed to get_proc */
+    char  *scratch;             /* for the text of one pass at a time; HBIL_GLSL_MAX bytes are always enough */
+    size_t scratch_size;
+    int    timings;             /* 1: measure every pass. Waits for the device around each: for profiling only */
+} hbil_gl_info;
+
+/* One plan on one context. Yours to place, ours to fill; read what you like. Zeroed is a valid "not there". */
+typedef struct hbil_gl {
+    hbil_plan plan;
+    uint32_t  width, height;    /* render size of our textures; 0 before the first resize */
+    int       runnable;         /* 1 after a resize that succeeded */
+    int       timings;
+    uint32_t  texture_units, image_units; /* bit n: unit n is used */
+    unsigned  program[HBIL_MAX_PASSES];
+    unsigned  texture[HBIL_MAX_TEXTURES][HBIL_GL_MAX_COPIES]; /* yours and ours, by plan texture and copy */
+    unsigned  sampler;          /* nearest, no comparison: overrules the parameters of your textures */
+    unsigned  buffer;           /* uniform block */
+    double    ms[HBIL_MAX_PASSES];
+    hbil_gl_functions gl;
+    char      message[512];     /* of the last call that failed; terminated */
+} hbil_gl;
+
+/* The context has to be current on the calling thread in all calls. Different hbil_gl may be used at the same time. */
+
+/* Static text, never NULL: "unknown" outside the enum. */
+HBIL_GL_API const char *hbil_gl_result_name(hbil_gl_result result);
+/* GL internal format of a plan's format, GL_R32F...; 0 for HBIL_FORMAT_ANY and outside the enum. */
+HBIL_GL_API unsigned hbil_gl_format(hbil_format format);
+/* Load functions, compile all passes. *ctx is overwritten: shut down a live one first. On failure nothing is left to free.
+ * E_ARG, E_CONTEXT, E_FUNCTION, E_PLAN, E_SPACE, E_COMPILE */
+HBIL_GL_API hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx);
+/* Set the render size and your textures: textures[i] is a GL name where plan texture i is INPUT or OUTPUT, others are not
+ * read. width, height: as in hbil_frame. On failure hbil_gl_run is refused until a resize succeeds.
+ * E_ARG, E_TEXTURE, E_MEMORY */
+HBIL_GL_API hbil_gl_result hbil_gl_resize(hbil_gl *ctx, uint32_t width, uint32_t height,
+                                          const unsigned textures[HBIL_MAX_TEXTURES]);
+/* Issue all passes of one frame. Does not wait, unless timings were asked for. E_ARG, E_FRAME */
+HBIL_GL_API hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame);
+/* ms[plan.pass_count]: milliseconds of each pass in the last hbil_gl_run. E_ARG: not asked for at init */
+HBIL_GL_API hbil_gl_result hbil_gl_timings(hbil_gl *ctx, double *ms);
+/* Delete all that is ours and zero *ctx. A zeroed ctx, or one whose init failed, is fine. */
+HBIL_GL_API void hbil_gl_shutdown(hbil_gl *ctx);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* HBIL_GL_H */
+
+/* ==================================================================================================================
+ *                                    API READERS MAY STOP HERE
+ * ================================================================================================================== */
+
+#if defined(HBIL_GL_IMPLEMENTATION) && !defined(HBIL_GL__IMPLEMENTED)
+#define HBIL_GL__IMPLEMENTED
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Values from the OpenGL registry, under names that no GL header uses. */
+enum {
+    HBIL_GL__NEAREST = 0x2600, HBIL_GL__TEXTURE_MIN_FILTER = 0x2801, HBIL_GL__TEXTURE_MAG_FILTER = 0x2800,
+    HBIL_GL__TEXTURE_2D = 0x0DE1, HBIL_GL__TEXTURE0 = 0x84C0, HBIL_GL__ACTIVE_TEXTURE = 0x84E0,
+    HBIL_GL__TEXTURE_BINDING_2D = 0x8069, HBIL_GL__SAMPLER_BINDING = 0x8919,
+    HBIL_GL__TEXTURE_WIDTH = 0x1000, HBIL_GL__TEXTURE_HEIGHT = 0x1001, HBIL_GL__TEXTURE_INTERNAL_FORMAT = 0x1003,
+    HBIL_GL__TEXTURE_RED_TYPE = 0x8C10, HBIL_GL__INT = 0x1404, HBIL_GL__UNSIGNED_INT = 0x1405,
+    HBIL_GL__R32F = 0x822E, HBIL_GL__R32UI = 0x8236, HBIL_GL__RGBA32F = 0x8814,
+    HBIL_GL__IMAGE_BINDING_NAME = 0x8F3A, HBIL_GL__IMAGE_BINDING_LEVEL = 0x8F3B, HBIL_GL__IMAGE_BINDING_LAYERED = 0x8F3C,
+    HBIL_GL__IMAGE_BINDING_LAYER = 0x8F3D, HBIL_GL__IMAGE_BINDING_ACCESS = 0x8F3E, HBIL_GL__IMAGE_BINDING_FORMAT = 0x906E,
+    HBIL_GL__WRITE_ONLY = 0x88B9,
+    HBIL_GL__UNIFORM_BUFFER = 0x8A11, HBIL_GL__UNIFORM_BUFFER_BINDING = 0x8A28, HBIL_GL__UNIFORM_BUFFER_START = 0x8A29,
+    HBIL_GL__UNIFORM_BUFFER_SIZE = 0x8A2A, HBIL_GL__STREAM_DRAW = 0x88E0,
+    HBIL_GL__COMPUTE_SHADER = 0x91B9, HBIL_GL__COMPILE_STATUS = 0x8B81, HBIL_GL__LINK_STATUS = 0x8B82,
+    HBIL_GL__CURRENT_PROGRAM = 0x8B8D, HBIL_GL__PROGRAM = 0x82E2, HBIL_GL__TEXTURE = 0x1702,
+    HBIL_GL__TEXTURE_FETCH_BARRIER_BIT = 0x08, HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT = 0x20,
+    HBIL_GL__MAX_COMBINED_TEXTURE_IMAGE_UNITS = 0x8B4D, HBIL_GL__MAX_IMAGE_UNITS = 0x8F38,
+    HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F,
+    HBIL_GL__VERSION = 0x1F02, HBIL_GL__TIMESTAMP = 0x8E28
+};
+
+/* What hbil_gl_run changes: the list of the header. */
+typedef struct hbil_gl__state {
+    int     program, active_texture;
+    int     texture[HBIL_GL_MAX_UNITS], sampler[HBIL_GL_MAX_UNITS];
+    struct { int name, level, layered, layer, access, format; } image[HBIL_GL_MAX_UNITS];
+    int     uniform_buffer, uniform_generic;
+    int64_t uniform_start, uniform_size;
+} hbil_gl__state;
+
+static hbil_gl_result hbil_gl__fail(hbil_gl *ctx, hbil_gl_result result, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(ctx->message, sizeof ctx->message, format, args);
+    va_end(args);
+    return result;
+}
+
+/* ---------------------------------------------------------------------------------------------- init and shutdown */
+
+/* The version is judged before missing functions: on an old context it is the reason why they are missing. It is read as
+ * text, since GL_MAJOR_VERSION is itself an error before 3.0 and ES shares its numbers. */
+static hbil_gl_result hbil_gl__load(hbil_gl *ctx, const hbil_gl_info *info)
+{
+#define HBIL_GL__ROW(type, member, name, args) { name, offsetof(hbil_gl_functions, member) },
+    static const struct { const char *name; size_t offset; } table[] = { HBIL_GL__FUNCTIONS(HBIL_GL__ROW) };
+#undef HBIL_GL__ROW
+    const char *missing = NULL, *version = NULL;
+    size_t i;
+    for (i = 0; i < sizeof table / sizeof *table; ++i) {
+        void *address = info->get_proc(info->user, table[i].name);
+        if (!address && !missing) missing = table[i].name;
+        /* copied as bytes: ISO C has no conversion between object and function pointers */
+        memcpy((char *)&ctx->gl + table[i].offset, &address, sizeof address);
+    }
+    if (ctx->gl.getString) {
+        version = (const char *)ctx->gl.getString(HBIL_GL__VERSION);
+        if (!version)
+            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "no GL context is current on this thread: make yours current "
+                                 "before hbil_gl_init");
+        if (version[0] < '0' || version[0] > '9')
+            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not desktop OpenGL: ask for OpenGL 4.3 "
+                                 "core", version);
+        if (version[0] < '4' || (version[0] == '4' && version[2] < '3'))
+            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", compute shaders need 4.3: ask for "
+                                 "a 4.3 core context when you create it, or update the driver", version);
+    }
+    if (missing)
+        return hbil_gl__fail(ctx, HBIL_GL_E_FUNCTION, "get_proc returns NULL for %s: give the loader of the current context, "
+                             "one that also knows functions of GL 1.1", missing);
+    return HBIL_GL_OK;
+}
+
+/* Checks all that could make a later GL call fail, and notes which units the plan uses. */
+static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
+{
+    const hbil_plan *plan = &ctx->plan;
+    int texture_units = 0, image_units = 0, uniform_bindings = 0;
+    uint32_t i, k;
+    if (plan->config.target != HBIL_TARGET_GL)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the plan was built for another target: set target=gl in the config before "
+                             "hbil_plan_build");
+    ctx->gl.getIntegerv(HBIL_GL__MAX_COMBINED_TEXTURE_IMAGE_UNITS, &texture_units);
+    ctx->gl.getIntegerv(HBIL_GL__MAX_IMAGE_UNITS, &image_units);
+    ctx->gl.getIntegerv(HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS, &uniform_bindings);
+    if (texture_units > HBIL_GL_MAX_UNITS) texture_units = HBIL_GL_MAX_UNITS;
+    if (image_units > HBIL_GL_MAX_UNITS) image_units = HBIL_GL_MAX_UNITS;
+    for (i = 0; i < plan->texture_count; ++i) {
+        const hbil_texture *t = &plan->textures[i];
+        if (t->life != HBIL_LIFE_INPUT && !hbil_gl_format((hbil_format)t->format))
+            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has a format unknown to this hbil_gl.h: take the one of the "
+                                 "same release as hbil.h", t->name);
+        if (t->copies < 1 || t->copies > HBIL_GL_MAX_COPIES)
+            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has %u copies: raise HBIL_GL_MAX_COPIES (%d)", t->name,
+                                 (unsigned)t->copies, HBIL_GL_MAX_COPIES);
+    }
+    for (i = 0; i < plan->pass_count; ++i)
+        for (k = 0; k < plan->passes[i].binding_count; ++k) {
+            const hbil_binding *b = &plan->passes[i].bindings[k];
+            int write = b->access == HBIL_ACCESS_WRITE, units = write ? image_units : texture_units;
+            if (b->slot >= units)
+                return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s uses %s unit %u, %d can be used here: ask for fewer outputs",
+                                     plan->passes[i].name, write ? "image" : "texture", (unsigned)b->slot, units);
+            *(write ? &ctx->image_units : &ctx->texture_units) |= 1u << b->slot;
+        }
+    if (plan->constants_slot >= (uint32_t)uniform_bindings)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the uniform block is at binding %u, the context has %d",
+                             (unsigned)plan->constants_slot, uniform_bindings);
+    return HBIL_GL_OK;
+}
+
+/* The driver's log goes straight behind the pass name in message[], cut to what fits: the first error comes first. */
+static hbil_gl_result hbil_gl__compile(hbil_gl *ctx, uint32_t pass, const char *text)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const char *name = ctx->plan.passes[pass].name;
+    unsigned shader = gl->createShader(HBIL_GL__COMPUTE_SHADER), program = gl->createProgram();
+    int compiled = 0, linked = 0;
+    ctx->program[pass] = program;
+    gl->shaderSource(shader, 1, &text, NULL);
+    gl->compileShader(shader);
+    gl->getShaderiv(shader, HBIL_GL__COMPILE_STATUS, &compiled);
+    if (compiled) {
+        gl->attachShader(program, shader);
+        gl->linkProgram(program);
+        gl->getProgramiv(program, HBIL_GL__LINK_STATUS, &linked);
+    }
+    if (!linked) {
+        size_t used;
+        hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not %s: ", name, compiled ? "link" : "compile");
+        used = strlen(ctx->message);
+        if (compiled) gl->getProgramInfoLog(program, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+        else gl->getShaderInfoLog(shader, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+    }
+    gl->deleteShader(shader); /* lives on inside the program */
+    if (!linked) return HBIL_GL_E_COMPILE;
+    gl->objectLabel(HBIL_GL__PROGRAM, program, -1, name);
+    return HBIL_GL_OK;
+}
+
+static hbil_gl_result hbil_gl__make_programs(hbil_gl *ctx, const hbil_gl_info *info)
+{
+    uint32_t pass;
+    for (pass = 0; pass < ctx->plan.pass_count; ++pass) {
+        size_t need = 0;
+        hbil_gl_result result;
+        hbil_result emitted = hbil_emit_glsl(&ctx->plan, (int32_t)pass, info->scratch, info->scratch_size, &need);
+        if (emitted == HBIL_E_SPACE)
+            return hbil_gl__fail(ctx, HBIL_GL_E_SPACE, "the text of pass %s takes %lu bytes, the scratch buffer has %lu: give "
+                                 "it HBIL_GLSL_MAX", ctx->plan.passes[pass].name, (unsigned long)need,
+                                 (unsigned long)info->scratch_size);
+        if (emitted != HBIL_OK)
+            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "hbil_emit_glsl: %s: build the plan with hbil_plan_build",
+                                 hbil_result_name(emitted));
+        result = hbil_gl__compile(ctx, pass, info->scratch);
+        if (result != HBIL_GL_OK) return result;
+    }
+    return HBIL_GL_OK;
+}
+
+/* Deletes the textures that are ours and forgets those that are yours. */
+static void hbil_gl__delete_textures(hbil_gl *ctx)
+{
+    uint32_t i;
+    for (i = 0; i < ctx->plan.texture_count; ++i)
+        if (ctx->plan.textures[i].life >= HBIL_LIFE_TRANSIENT)
+            ctx->gl.deleteTextures(HBIL_GL_MAX_COPIES, ctx->texture[i]); /* GL skips names that are 0 */
+    memset(ctx->texture, 0, sizeof ctx->texture);
+    ctx->width = ctx->height = 0;
+    ctx->runnable = 0;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- resize */
+
+/* Binds a texture of yours to the active unit and asks GL what it is. */
+static hbil_gl_result hbil_gl__check_texture(hbil_gl *ctx, uint32_t index, unsigned name, const uint32_t extent[2])
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_texture *t = &ctx->plan.textures[index];
+    const char *role = t->life == HBIL_LIFE_INPUT ? "input" : "output";
+    int bound = 0, width = 0, height = 0, format = 0, type = 0;
+    if (!name || !gl->isTexture(name))
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s is missing: put the name of a GL texture into textures[%u], it is "
+                             "%u", role, t->name, (unsigned)index, name);
+    gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
+    gl->getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &bound);
+    if ((unsigned)bound != name)
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u is not a GL_TEXTURE_2D (GL error 0x%04x): arrays, "
+                             "rectangles and multisample textures need a copy", role, t->name, name, gl->getError());
+    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_WIDTH, &width);
+    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_HEIGHT, &height);
+    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_INTERNAL_FORMAT, &format);
+    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_RED_TYPE, &type);
+    if ((uint32_t)width < extent[0] || (uint32_t)height < extent[1])
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: level 0 of texture %u is %d x %d, the frame needs %u x %u: make it "
+                             "that large, or resize to a smaller frame", role, t->name, name, width, height,
+                             (unsigned)extent[0], (unsigned)extent[1]);
+    if (t->life == HBIL_LIFE_OUTPUT && (unsigned)format != hbil_gl_format((hbil_format)t->format))
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "output %s: texture %u has internal format 0x%04x, the shader stores %s: "
+                             "make it with 0x%04x, see hbil_gl_format", t->name, name, (unsigned)format,
+                             hbil_format_name((hbil_format)t->format), hbil_gl_format((hbil_format)t->format));
+    if (t->life == HBIL_LIFE_INPUT && (type == HBIL_GL__INT || type == HBIL_GL__UNSIGNED_INT))
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "input %s: texture %u has an integer format (0x%04x): give it a float, "
+                             "normalised or depth format", t->name, name, (unsigned)format);
+    return HBIL_GL_OK;
+}
+
+/* All copies of one texture of ours. A failed allocation shows in the size, which needs no glGetError on success. */
+static hbil_gl_result hbil_gl__make_texture(hbil_gl *ctx, uint32_t index, const uint32_t extent[2])
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_texture *t = &ctx->plan.textures[index];
+    uint32_t copy;
+    gl->genTextures(t->copies, ctx->texture[index]);
+    for (copy = 0; copy < t->copies; ++copy) {
+        unsigned name = ctx->texture[index][copy];
+        int width = 0;
+        gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
+        gl->texStorage2D(HBIL_GL__TEXTURE_2D, t->mips, hbil_gl_format((hbil_format)t->format), (int)extent[0], (int)extent[1]);
+        gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_WIDTH, &width);
+        if ((uint32_t)width != extent[0])
+            return hbil_gl__fail(ctx, HBIL_GL_E_MEMORY, "texture %s, %s, %u x %u, cannot be made (GL error 0x%04x): free video "
+                                 "memory or render at a smaller size", t->name, hbil_format_name((hbil_format)t->format),
+                                 (unsigned)extent[0], (unsigned)extent[1], gl->getError());
+        gl->objectLabel(HBIL_GL__TEXTURE, name, -1, t->name);
+    }
+    return HBIL_GL_OK;
+}
+
+static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32_t height, const unsigned *textures)
+{
+    int keep = width == ctx->width && height == ctx->height;
+    hbil_gl_result result = HBIL_GL_OK;
+    uint32_t i, extent[2];
+    if (!keep) hbil_gl__delete_textures(ctx);
+    for (i = 0; i < ctx->plan.texture_count && result == HBIL_GL_OK; ++i) {
+        int ours = ctx->plan.textures[i].life >= HBIL_LIFE_TRANSIENT;
+        if (ours && keep) continue;
+        if (hbil_plan_extent(&ctx->plan, (int32_t)i, width, height, extent) != HBIL_OK)
+            return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "render size %u x %u: each has to be in [1, 16384]", (unsigned)width,
+                                 (unsigned)height);
+        if (ours) result = hbil_gl__make_texture(ctx, i, extent);
+        else result = hbil_gl__check_texture(ctx, i, ctx->texture[i][0] = textures[i], extent);
+    }
+    if (result == HBIL_GL_OK) {
+        ctx->width = width;
+        ctx->height = height;
+        ctx->runnable = 1;
+    }
+    return result;
+}
+
+/* ------------------------------------------------------------------------------------------------------------- run */
+
+static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    uint32_t unit, slot = ctx->plan.constants_slot;
+    gl->getIntegerv(HBIL_GL__CURRENT_PROGRAM, &s->program);
+    gl->getIntegerv(HBIL_GL__ACTIVE_TEXTURE, &s->active_texture);
+    for (unit = 0; unit < HBIL_GL_MAX_UNITS; ++unit) {
+        if (ctx->texture_units >> unit & 1) {
+            gl->activeTexture(HBIL_GL__TEXTURE0 + unit);
+            gl->getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &s->texture[unit]);
+            gl->getIntegerv(HBIL_GL__SAMPLER_BINDING, &s->sampler[unit]);
+        }
+        if (ctx->image_units >> unit & 1) {
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_NAME, unit, &s->image[unit].name);
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_LEVEL, unit, &s->image[unit].level);
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_LAYERED, unit, &s->image[unit].layered);
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_LAYER, unit, &s->image[unit].layer);
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_ACCESS, unit, &s->image[unit].access);
+            gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_FORMAT, unit, &s->image[unit].format);
+        }
+    }
+    gl->getIntegerv(HBIL_GL__UNIFORM_BUFFER_BINDING, &s->uniform_generic);
+    gl->getIntegeri_v(HBIL_GL__UNIFORM_BUFFER_BINDING, slot, &s->uniform_buffer);
+    gl->getInteger64i_v(HBIL_GL__UNIFORM_BUFFER_START, slot, &s->uniform_start);
+    gl->getInteger64i_v(HBIL_GL__UNIFORM_BUFFER_SIZE, slot, &s->uniform_size);
+}
+
+static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    uint32_t unit, slot = ctx->plan.constants_slot;
+    for (unit = 0; unit < HBIL_GL_MAX_UNITS; ++unit) {
+        if (ctx->texture_units >> unit & 1) {
+            gl->activeTexture(HBIL_GL__TEXTURE0 + unit);
+            gl->bindTexture(HBIL_GL__TEXTURE_2D, (unsigned)s->texture[unit]);
+            gl->bindSampler(unit, (unsigned)s->sampler[unit]);
+        }
+        if (ctx->image_units >> unit & 1)
+            gl->bindImageTexture(unit, (unsigned)s->image[unit].name, s->image[unit].level, s->image[unit].layered != 0,
+                                 s->image[unit].layer, (unsigned)s->image[unit].access, (unsigned)s->image[unit].format);
+    }
+    gl->activeTexture((unsigned)s->active_texture);
+    /* size 0: bound whole, by glBindBufferBase. Either call also binds the generic point, which therefore comes last. */
+    if (s->uniform_size > 0)
+        gl->bindBufferRange(HBIL_GL__UNIFORM_BUFFER, slot, (unsigned)s->uniform_buffer, (ptrdiff_t)s->uniform_start,
+                            (ptrdiff_t)s->uniform_size);
+    else
+        gl->bindBufferBase(HBIL_GL__UNIFORM_BUFFER, slot, (unsigned)s->uniform_buffer);
+    gl->bindBuffer(HBIL_GL__UNIFORM_BUFFER, (unsigned)s->uniform_generic);
+    gl->useProgram(gl->isProgram((unsigned)s->program) ? (unsigned)s->program : 0);
+}
+
+static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t frame_index)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_texture *t = &ctx->plan.textures[b->texture];
+    unsigned name = ctx->texture[b->texture][(frame_index % t->copies + t->copies - b->age) % t->copies];
+    if (b->access == HBIL_ACCESS_WRITE) {
+        gl->bindImageTexture(b->slot, name, b->mip, 0, 0, HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
+    } else {
+        gl->activeTexture(HBIL_GL__TEXTURE0 + (unsigned)b->slot);
+        gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
+        gl->bindSampler(b->slot, ctx->sampler);
+    }
+}
+
+/* A GL barrier is named by the access that follows it. The image bit also holds stores back until earlier fetches are done
+ * (OpenGL 4.3 core, section 7.12.2), so write-after-read needs nothing else. */
+static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame_index, const hbil_dispatch *grid)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_pass *pass = &ctx->plan.passes[index];
+    unsigned bits = 0;
+    uint32_t i;
+    for (i = 0; i < pass->barrier_count; ++i)
+        bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
+                                                             : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    if (bits) gl->memoryBarrier(bits);
+    for (i = 0; i < pass->binding_count; ++i) hbil_gl__bind(ctx, &pass->bindings[i], frame_index);
+    gl->useProgram(ctx->program[index]);
+    gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
+}
+
+/* Time of the GL server once all earlier work is done. Timer queries read 0 around compute on llvmpipe; this is right there
+ * and on hardware. ns */
+static int64_t hbil_gl__time(const hbil_gl *ctx)
+{
+    int64_t time = 0;
+    ctx->gl.finish();
+    ctx->gl.getInteger64v(HBIL_GL__TIMESTAMP, &time);
+    return time;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- public */
+
+const char *hbil_gl_result_name(hbil_gl_result result)
+{
+#define HBIL_GL__RESULT_TEXT(name, text) text,
+    static const char *const names[] = { HBIL_GL_RESULTS(HBIL_GL__RESULT_TEXT) };
+#undef HBIL_GL__RESULT_TEXT
+    return (unsigned)result < HBIL_GL_RESULT_COUNT ? names[result] : "unknown";
+}
+
+unsigned hbil_gl_format(hbil_format format)
+{
+    switch (format) { /* no default: the compiler names a format of hbil.h that has no row here */
+    case HBIL_FORMAT_R32F:    return HBIL_GL__R32F;
+    case HBIL_FORMAT_R32UI:   return HBIL_GL__R32UI;
+    case HBIL_FORMAT_RGBA32F: return HBIL_GL__RGBA32F;
+    case HBIL_FORMAT_ANY:
+    case HBIL_FORMAT_COUNT:   break;
+    }
+    return 0;
+}
+
+hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
+{
+    hbil_gl_result result;
+    if (!ctx) return HBIL_GL_E_ARG;
+    memset(ctx, 0, sizeof *ctx);
+    if (!info || !info->plan || !info->get_proc || !info->scratch)
+        return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_init: plan, get_proc and scratch have to be given");
+    ctx->plan = *info->plan;
+    ctx->timings = info->timings;
+    result = hbil_gl__load(ctx, info);
+    if (result != HBIL_GL_OK) {
+        memset(&ctx->gl, 0, sizeof ctx->gl); /* what shutdown goes by */
+        return result;
+    }
+    result = hbil_gl__check_plan(ctx);
+    if (result == HBIL_GL_OK) result = hbil_gl__make_programs(ctx, info);
+    if (result != HBIL_GL_OK) {
+        char message[sizeof ctx->message];
+        memcpy(message, ctx->message, sizeof message);
+        hbil_gl_shutdown(ctx);
+        memcpy(ctx->message, message, sizeof message);
+        return result;
+    }
+    ctx->gl.genBuffers(1, &ctx->buffer);
+    ctx->gl.genSamplers(1, &ctx->sampler);
+    ctx->gl.samplerParameteri(ctx->sampler, HBIL_GL__TEXTURE_MIN_FILTER, HBIL_GL__NEAREST);
+    ctx->gl.samplerParameteri(ctx->sampler, HBIL_GL__TEXTURE_MAG_FILTER, HBIL_GL__NEAREST);
+    return HBIL_GL_OK;
+}
+
+hbil_gl_result hbil_gl_resize(hbil_gl *ctx, uint32_t width, uint32_t height, const unsigned textures[HBIL_MAX_TEXTURES])
+{
+    hbil_gl_result result;
+    int bound = 0;
+    if (!ctx) return HBIL_GL_E_ARG;
+    if (!ctx->sampler || !textures)
+        return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_resize: hbil_gl_init has to succeed first, textures has to be given");
+    ctx->runnable = 0;
+    if (!width) width = (uint32_t)ctx->plan.config.width;
+    if (!height) height = (uint32_t)ctx->plan.config.height;
+    ctx->gl.getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &bound);
+    result = hbil_gl__set_textures(ctx, width, height, textures);
+    ctx->gl.bindTexture(HBIL_GL__TEXTURE_2D, (unsigned)bound);
+    return result;
+}
+
+hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
+{
+    unsigned char block[HBIL_CONSTANTS_MAX];
+    hbil_dispatch grid[HBIL_MAX_PASSES];
+    hbil_gl__state state;
+    hbil_diag diag;
+    hbil_diags diags;
+    uint32_t width, height, pass;
+    if (!ctx) return HBIL_GL_E_ARG;
+    if (!ctx->runnable || !frame)
+        return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_run: hbil_gl_resize has to succeed first, frame has to be given");
+    width = frame->width ? frame->width : (uint32_t)ctx->plan.config.width;
+    height = frame->height ? frame->height : (uint32_t)ctx->plan.config.height;
+    if (width != ctx->width || height != ctx->height)
+        return hbil_gl__fail(ctx, HBIL_GL_E_FRAME, "the frame is %u x %u, the last resize was %u x %u: call hbil_gl_resize",
+                             (unsigned)width, (unsigned)height, (unsigned)ctx->width, (unsigned)ctx->height);
+    memset(&diag, 0, sizeof diag);
+    diags.items = &diag;
+    diags.capacity = 1;
+    diags.count = 0;
+    if (hbil_pack_constants(&ctx->plan, frame, block, sizeof block, NULL, &diags) != HBIL_OK ||
+        hbil_plan_frame(&ctx->plan, frame, grid) != HBIL_OK)
+        return hbil_gl__fail(ctx, HBIL_GL_E_FRAME, "frame %u: %s", (unsigned)frame->index,
+                             diag.text[0] ? diag.text : "does not fit the plan");
+    hbil_gl__save(ctx, &state);
+    if (ctx->plan.constants_size) {
+        ctx->gl.bindBufferBase(HBIL_GL__UNIFORM_BUFFER, ctx->plan.constants_slot, ctx->buffer);
+        /* a new data store each frame: last frame's may still be in use, and nobody has to wait for it */
+        ctx->gl.bufferData(HBIL_GL__UNIFORM_BUFFER, (ptrdiff_t)ctx->plan.constants_size, block, HBIL_GL__STREAM_DRAW);
+    }
+    for (pass = 0; pass < ctx->plan.pass_count; ++pass) {
+        int64_t start = ctx->timings ? hbil_gl__time(ctx) : 0;
+        hbil_gl__dispatch(ctx, pass, frame->index, &grid[pass]);
+        if (ctx->timings) ctx->ms[pass] = (double)(hbil_gl__time(ctx) - start) * 1e-6;
+    }
+    hbil_gl__restore(ctx, &state);
+    return HBIL_GL_OK;
+}
+
+hbil_gl_result hbil_gl_timings(hbil_gl *ctx, double *ms)
+{
+    if (!ctx) return HBIL_GL_E_ARG;
+    if (!ctx->timings || !ms)
+        return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_timings: set timings=1 in hbil_gl_info, ms has to be given");
+    memcpy(ms, ctx->ms, ctx->plan.pass_count * sizeof *ms);
+    return HBIL_GL_OK;
+}
+
+void hbil_gl_shutdown(hbil_gl *ctx)
+{
+    uint32_t pass;
+    if (!ctx) return;
+    if (ctx->gl.deleteProgram) {
+        hbil_gl__delete_textures(ctx);
+        for (pass = 0; pass < ctx->plan.pass_count; ++pass) ctx->gl.deleteProgram(ctx->program[pass]);
+        ctx->gl.deleteSamplers(1, &ctx->sampler);
+        ctx->gl.deleteBuffers(1, &ctx->buffer);
+    }
+    memset(ctx, 0, sizeof *ctx);
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* HBIL_GL_IMPLEMENTATION */

@@ -1,0 +1,39 @@
+/* capture.h - one frame of a renderer: G-buffer, camera and, where known, path-traced truth. */
+#ifndef HBIL_FRAME_CAPTURE_H
+#define HBIL_FRAME_CAPTURE_H
+
+#include "../../hbil.h"
+#include "image.h"
+
+typedef struct capture {
+    int   width, height;
+    int   orthographic;
+    float near_z, far_z;    /* m, of the projection */
+    /* Column-major. projection: view (right-handed, -Z forward) to GL clip (z in [-1, 1]), with texel row 0 at ndc y = -1:
+     * the y row of the file's matrix is negated on loading, since captures store rows top to bottom. */
+    float projection[16], view[16];
+    image depth;            /* 1: linear view depth, m; sky >= 1e9 */
+    image normal;           /* 3: view space */
+    image albedo, direct, emission;              /* 3 each; emission may be absent */
+    image truth_ao;         /* 1: cosine visibility. The truth images may be absent */
+    image truth_near;       /* 3: E/pi */
+    int   misfit;           /* after a capture_load that failed: 1 if each file is sound but camera and frame do not fit */
+} capture;
+
+/* Read F.exr and its camera JSON. 1 on success; 0: error[] names the file, the fault and the fix. */
+int  capture_load(capture *out, const char *exr, const char *camera_json, char *error, size_t error_size);
+/* Built-in scene "cornell": G-buffer at pixel centres, direct light, truth_ao and truth_near traced with `rays` rays per pixel
+ * (at most 65536) through the whole scene (0: no truth). Same arguments, same bytes. progress may be NULL; called with [0, 1]. */
+int  capture_scene(capture *out, const char *name, int width, int height, int rays, void (*progress)(double),
+                   char *error, size_t error_size);
+/* Names of the built-in scenes by index, NULL outside. */
+const char *capture_scene_name(int index);
+void capture_free(capture *cap);
+
+/* The capture in the conventions that a resolved config asks for: depth linear or device, forward or reversed, finite or infinite far,
+ * GL or Vulkan clip; normals in view or world space. Fills frame (size, projection, view) and one image per INPUT texture of
+ * the plan, indexed by plan texture; other entries stay absent. Free each with image_free. */
+int  capture_encode(const capture *cap, const hbil_plan *plan, hbil_frame *frame, image inputs[HBIL_MAX_TEXTURES],
+                    char *error, size_t error_size);
+
+#endif

@@ -1,0 +1,42 @@
+/* image.h - float images in memory, EXR and PNG on disk. */
+#ifndef HBIL_FRAME_IMAGE_H
+#define HBIL_FRAME_IMAGE_H
+
+#include <stddef.h>
+
+/* Interleaved floats, rows top to bottom. data == NULL: the image is absent. */
+typedef struct image {
+    int    width, height, channels; /* channels 1..4 */
+    float *data;                    /* width * height * channels */
+} image;
+
+/* 1 on success; 0 when out of memory or a size is not in [1, 16384] (the image is then absent). Zero-filled. */
+int  image_make(image *out, int width, int height, int channels);
+void image_free(image *img);
+
+/* Print a message into error[] (may be NULL if error_size is 0), cut to fit. Always 0, for `return frame_error(...)`. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+int  frame_error(char *error, size_t error_size, const char *format, ...);
+
+/* Channel names of an image in an EXR layer: "ao" + "Y" -> ao.Y, "near" + "RGB" -> near.R near.G near.B */
+typedef struct image_layer {
+    const char *layer;      /* "depth" */
+    const char *channels;   /* "Z", "XYZ", "RGB", "Y" */
+    image       pixels;
+    int         required;   /* read only: missing is an error; else the image stays absent */
+} image_layer;
+
+/* Read the layers of an EXR file (any compression, half, float or uint, scan line or tiled, data window at any origin).
+ * 1 on success. 0: error[] says what is wrong and how to mend it, all images are absent. */
+int exr_read(const char *path, image_layer *layers, int count, char *error, size_t error_size);
+/* Write all present layers as float channels, ZIP-compressed. Temporary file beside the target, then rename: an existing file is
+ * replaced whole or not at all. */
+int exr_write(const char *path, const image_layer *layers, int count, char *error, size_t error_size);
+/* 8-bit sRGB PNG of 1 or 3 channels, values in [0, 1] taken as linear if linear != 0, as they are if not. Renamed into place. */
+int png_write(const char *path, const image *img, int linear, char *error, size_t error_size);
+/* Text file, renamed into place. */
+int text_write(const char *path, const char *text, char *error, size_t error_size);
+
+#endif

@@ -1,0 +1,748 @@
+/* hbil-frame - light one frame of a renderer, say how long it took and how far it is from the truth. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cJSON.h>
+
+#define HBIL_IMPLEMENTATION
+#include "../../hbil.h"
+#include "capture.h"
+#include "metric.h"
+#include "runner.h"
+
+enum { DONE = 0, REFUSED = 1, USAGE = 2, FILES = 3, MISFIT = 4, BACKEND = 5 };
+
+#define DIAGS_MAX 32
+#define PATH_BYTES 4096
+
+/* What is written of each output of a plan: channel letters in the EXR, whether values below 0 are a fault. */
+static const struct output_kind { const char *name, *channels; int light; } output_kinds[] = {
+    {"ao", "Y", 1}, {"near", "RGB", 1}, {"bent", "XYZ", 0}, {"composite", "RGB", 1},
+};
+enum { AO, NEAR, BENT, COMPOSITE, OUTPUT_KINDS };
+
+typedef struct arguments {
+    const char  *frame, *camera, *scene, *backend, *preset, *out, *png, *report;
+    const char **sets; /* texts of all --set, in order */
+    int          set_count, width, height, rays, repeat, validate, quiet;
+} arguments;
+
+typedef struct timing { double min, median, max; } timing; /* ms */
+
+/* Everything of one run of the program. */
+typedef struct session {
+    arguments   args;
+    hbil_config config;
+    hbil_plan   plan;
+    capture     cap;
+    hbil_frame  frame;
+    image       inputs[HBIL_MAX_TEXTURES];
+    runner     *runner;
+    image       outputs[OUTPUT_KINDS];  /* absent: not asked for */
+    metric      metrics[OUTPUT_KINDS];
+    timing      times[HBIL_MAX_PASSES + 1]; /* the last that is used: all passes together */
+    char        error[1024];
+} session;
+
+static int fail(const session *s, int code)
+{
+    fprintf(stderr, "hbil-frame: %s\n", s->error);
+    return code;
+}
+
+/* ---- progress ---------------------------------------------------------------------------------------------------- */
+
+/* State of the progress line. Global, as capture_scene's callback carries no pointer; calls never overlap. */
+static struct { const char *what; int off, tty; double begun, shown; } progress;
+
+static double seconds(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void progress_begin(const char *what, int off)
+{
+    progress.what = what;
+    progress.off = off;
+    progress.tty = isatty(STDERR_FILENO);
+    progress.begun = seconds();
+    progress.shown = progress.begun;
+}
+
+/* On a terminal one line, rewritten five times a second; in a log a line every two seconds. */
+static void progress_show(double done)
+{
+    double now = seconds();
+
+    if (progress.off || done >= 1.0 || now - progress.shown < (progress.tty ? 0.2 : 2.0)) return;
+    progress.shown = now;
+    fprintf(stderr, progress.tty ? "\r%s %3.0f %%" : "%s %3.0f %%\n", progress.what, 100.0 * done);
+}
+
+static void progress_end(void)
+{
+    if (!progress.off && progress.tty && progress.shown > progress.begun) fputs("\r\033[K", stderr);
+}
+
+/* ---- command line ------------------------------------------------------------------------------------------------ */
+
+static void print_help(void)
+{
+    const hbil_option *o;
+    int32_t i;
+
+    fputs("usage: hbil-frame (--frame F.exr --camera C.json | --scene cornell) [options]\n"
+          "Lights one frame by a config of hbil.h, and reports times and errors.\n\n"
+          "  --frame F.exr     layers depth.Z normal.XYZ albedo.RGB direct.RGB; optional emission.RGB truth_ao.Y truth_near.RGB\n"
+          "  --camera C.json   width, height, near, far, projection_rows (OpenGL clip), view_rows\n"
+          "  --scene cornell   the built-in scene instead of a file\n"
+          "  --size WxH        its size in pixels, default 640x360\n"
+          "  --rays N          its rays per pixel for the truth, default 64; 0: no truth\n"
+          "  --backend B       vulkan (default) or gl\n"
+          "  --preset P        where the config begins; default: every option at its default\n"
+          "  --set A=B,C=D+E   options of the config; may be repeated. projection and target are taken from frame and backend\n"
+          "  --out O.exr       write the outputs: ao.Y near.RGB bent.XYZ composite.RGB, as far as asked for\n"
+          "  --png DIR         write before.png, after.png and one picture per output; DIR is made if need be\n"
+          "  --report R.json   write times, errors and the config\n"
+          "  --repeat N        N timed runs after one that is not timed; default: the first run is timed, compiling included\n"
+          "  --validate        with the validation layer (Vulkan) or debug output (GL); a message is a failure\n"
+          "  -q                print nothing but warnings and errors\n"
+          "  --help, --version\n\n"
+          "exit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written, or is malformed;\n"
+          "      4 frame, camera and config do not fit each other; 5 backend or driver missing or failed\n\n"
+          "presets:\n", stdout);
+    for (i = 0; hbil_preset_name(i); i++) printf("  %-17s %s\n", hbil_preset_name(i), hbil_preset_meaning(i));
+    puts("\noptions for --set:");
+    for (i = 0; i < hbil_option_count(); i++) {
+        o = hbil_option_at(i);
+        if (o->choices[0]) printf("  %-17s %s. {%s}\n", o->name, o->meaning, o->choices);
+        else printf("  %-17s %s. [%g, %g] %s, default %g\n", o->name, o->meaning, o->min, o->max, o->unit, o->def);
+    }
+}
+
+/* Whole number in [min, max] and nothing behind it. */
+static int read_int(const char *text, int min, int max, int *out)
+{
+    char *end;
+    long  value = strtol(text, &end, 10);
+
+    if (end == text || *end || value < min || value > max) return 0;
+    *out = (int)value;
+    return 1;
+}
+
+static int read_size(const char *text, int *width, int *height)
+{
+    char  first[8];
+    const char *x = strchr(text, 'x');
+
+    if (!x || x - text >= (int)sizeof first) return 0;
+    memcpy(first, text, (size_t)(x - text));
+    first[x - text] = 0;
+    return read_int(first, 1, 16384, width) && read_int(x + 1, 1, 16384, height);
+}
+
+/* One option that takes a value. */
+static int read_argument(session *s, const char *name, const char *value)
+{
+    arguments *a = &s->args;
+    const struct { const char *name; const char **target; } texts[] = {
+        {"--frame", &a->frame}, {"--camera", &a->camera}, {"--scene", &a->scene},   {"--backend", &a->backend},
+        {"--preset", &a->preset}, {"--out", &a->out},     {"--png", &a->png},       {"--report", &a->report},
+    };
+    size_t i;
+
+    if (!*value || strncmp(value, "--", 2) == 0)
+        return frame_error(s->error, sizeof s->error, "%s: unknown, or without its value; hbil-frame --help lists all", name);
+    for (i = 0; i < sizeof texts / sizeof *texts; i++) {
+        if (strcmp(name, texts[i].name) != 0) continue;
+        *texts[i].target = value;
+        return 1;
+    }
+    if (strcmp(name, "--set") == 0) return a->sets[a->set_count++] = value, 1;
+    if (strcmp(name, "--size") == 0)
+        return read_size(value, &a->width, &a->height)
+            || frame_error(s->error, sizeof s->error, "--size %s: must be WxH, each in [1, 16384], as in 640x360", value);
+    if (strcmp(name, "--rays") == 0)
+        return read_int(value, 0, 65536, &a->rays)
+            || frame_error(s->error, sizeof s->error, "--rays %s: must be a whole number in [0, 65536]", value);
+    if (strcmp(name, "--repeat") == 0)
+        return read_int(value, 1, 100000, &a->repeat)
+            || frame_error(s->error, sizeof s->error, "--repeat %s: must be a whole number in [1, 100000]", value);
+    return frame_error(s->error, sizeof s->error, "%s: unknown; hbil-frame --help lists all", name);
+}
+
+static int check_arguments(session *s)
+{
+    arguments *a = &s->args;
+
+    if (!a->frame == !a->scene)
+        return frame_error(s->error, sizeof s->error, "give either --frame F.exr --camera C.json, or --scene cornell");
+    if (a->frame && !a->camera) return frame_error(s->error, sizeof s->error,
+                                                   "--frame needs the camera of that frame: --camera C.json");
+    if (a->scene && strcmp(a->scene, capture_scene_name(0)) != 0)
+        return frame_error(s->error, sizeof s->error, "--scene %s: must be %s", a->scene, capture_scene_name(0));
+    if (a->scene && a->camera) return frame_error(s->error, sizeof s->error,
+                                                  "--camera belongs to --frame; a scene has its own. Leave one out");
+    if (a->frame && (a->width || a->rays >= 0))
+        return frame_error(s->error, sizeof s->error, "--size and --rays belong to --scene; a frame has its own. Leave them out");
+    if (a->out && a->report && strcmp(a->out, a->report) == 0)
+        return frame_error(s->error, sizeof s->error, "--out and --report name the same file %s", a->out);
+    if (!a->backend) a->backend = "vulkan";
+    if (strcmp(a->backend, "vulkan") != 0 && strcmp(a->backend, "gl") != 0)
+        return frame_error(s->error, sizeof s->error, "--backend %s: must be vulkan or gl", a->backend);
+    if (!a->width) a->width = 640, a->height = 360;
+    if (a->rays < 0) a->rays = 64;
+    return 1;
+}
+
+/* 1: go on. 0: done, *code is the exit code. */
+static int read_command_line(session *s, int argc, char **argv, int *code)
+{
+    int i;
+
+    *code = USAGE;
+    s->args.rays = -1;
+    s->args.repeat = 1;
+    for (i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "--version") == 0) {
+            if (argv[i][2] == 'h') print_help();
+            else printf("hbil-frame %d.%d.%d\n", HBIL_VERSION_MAJOR, HBIL_VERSION_MINOR, HBIL_VERSION_PATCH);
+            *code = DONE;
+            return 0;
+        }
+        if (strcmp(argv[i], "-q") == 0) s->args.quiet = 1;
+        else if (strcmp(argv[i], "--validate") == 0) s->args.validate = 1;
+        else if (!read_argument(s, argv[i], i + 1 < argc ? argv[i + 1] : "")) return fail(s, 0);
+        else i++;
+    }
+    return check_arguments(s) ? 1 : fail(s, 0);
+}
+
+/* ---- config and plan --------------------------------------------------------------------------------------------- */
+
+static void print_diags(const session *s, const hbil_diags *diags)
+{
+    static const char *const words[] = {"", "note: ", "warning: ", ""};
+    int32_t i;
+
+    for (i = 0; i < diags->count && i < diags->capacity; i++)
+        if (diags->items[i].severity != HBIL_NOTE || !s->args.quiet)
+            fprintf(stderr, "hbil-frame: %s%s\n", words[diags->items[i].severity], diags->items[i].text);
+    if (diags->count > diags->capacity) fprintf(stderr, "hbil-frame: and %d more\n", (int)(diags->count - diags->capacity));
+}
+
+/* name=value pairs of one --set. Every fault is collected; 0 if there was one. */
+static int apply_set(hbil_config *config, const char *text, hbil_diags *diags)
+{
+    char  *pairs = malloc(strlen(text) + 1), *pair, *value, *next;
+    int   ok = pairs != NULL;
+
+    if (pairs) strcpy(pairs, text);
+    for (pair = pairs; pair && *pair; pair = next) {
+        next = pair + strcspn(pair, ",");
+        if (*next) *next++ = 0;
+        value = strchr(pair, '=');
+        if (value) *value++ = 0;
+        /* Without '=': the text "" is no value of any option, so the fault names the option and its range. */
+        if (hbil_config_set(config, pair, value ? value : "", diags) != HBIL_OK) ok = 0;
+    }
+    free(pairs);
+    return ok;
+}
+
+/* Preset, options, target. What a frame decides is still open; all else is checked before any work begins. */
+static int make_config(session *s)
+{
+    hbil_diag   items[DIAGS_MAX];
+    hbil_diags  diags = {items, DIAGS_MAX, 0};
+    hbil_config resolved;
+    const int   target = strcmp(s->args.backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
+    int         i, ok = !s->args.preset || hbil_config_preset(s->args.preset, &s->config, &diags) == HBIL_OK;
+
+    for (i = 0; i < s->args.set_count; i++) ok &= apply_set(&s->config, s->args.sets[i], &diags);
+    if (ok) ok = hbil_config_resolve(&s->config, &resolved, &diags) == HBIL_OK;
+    if (!ok) {
+        print_diags(s, &diags);
+        return REFUSED;
+    }
+    if (s->config.target != 0 && s->config.target != target) {
+        frame_error(s->error, sizeof s->error,
+                    "option target: does not match --backend %s. Leave target out, or choose the other backend",
+                    s->args.backend);
+        return fail(s, REFUSED);
+    }
+    s->config.target = target;
+    return DONE;
+}
+
+/* The plan in the conventions of the frame, and the frame in those of the plan. */
+static int make_plan(session *s)
+{
+    hbil_diag  items[DIAGS_MAX];
+    hbil_diags diags = {items, DIAGS_MAX, 0};
+    int        ok;
+
+    if (s->config.projection == 0)
+        s->config.projection = s->cap.orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE;
+    ok = hbil_plan_build(&s->config, &s->plan, &diags) == HBIL_OK;
+    print_diags(s, &diags);
+    if (!ok) return REFUSED;
+    if (!capture_encode(&s->cap, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)) return fail(s, MISFIT);
+    return DONE;
+}
+
+/* ---- work -------------------------------------------------------------------------------------------------------- */
+
+static int open_runner(session *s)
+{
+    s->runner = runner_open(s->args.backend, s->args.validate, s->error, sizeof s->error);
+    return s->runner ? DONE : fail(s, BACKEND);
+}
+
+static int make_capture(session *s)
+{
+    const arguments *a = &s->args;
+    int code, ok;
+
+    if (a->frame) {
+        if (capture_load(&s->cap, a->frame, a->camera, s->error, sizeof s->error)) return DONE;
+        return fail(s, s->cap.misfit ? MISFIT : FILES);
+    }
+    code = open_runner(s); /* before the scene: a missing driver should not cost the time of tracing */
+    if (code != DONE) return code;
+    progress_begin("tracing the scene", a->quiet);
+    ok = capture_scene(&s->cap, a->scene, a->width, a->height, a->rays, progress_show, s->error, sizeof s->error);
+    progress_end();
+    return ok ? DONE : fail(s, BACKEND); /* the arguments are checked: what failed is Embree or memory */
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Sorts values. */
+static timing timing_of(double *values, int count)
+{
+    timing t;
+
+    qsort(values, (size_t)count, sizeof *values, compare_doubles);
+    t.min = values[0];
+    t.median = 0.5 * (values[(count - 1) / 2] + values[count / 2]);
+    t.max = values[count - 1];
+    return t;
+}
+
+/* Keep the outputs that were asked for, without the constant alpha. */
+static int take_outputs(session *s, const image textures[HBIL_MAX_TEXTURES])
+{
+    size_t i, c, count, from, to;
+    int    k, index;
+
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        const image *source;
+        image       *out = &s->outputs[k];
+
+        index = hbil_plan_texture(&s->plan, output_kinds[k].name);
+        if (index < 0 || s->plan.textures[index].life != HBIL_LIFE_OUTPUT) continue;
+        source = &textures[index];
+        if (!image_make(out, source->width, source->height, (int)strlen(output_kinds[k].channels)))
+            return frame_error(s->error, sizeof s->error, "out of memory for the outputs. Use a smaller frame");
+        count = (size_t)out->width * (size_t)out->height;
+        from = (size_t)source->channels;
+        to = (size_t)out->channels;
+        for (i = 0; i < count; i++)
+            for (c = 0; c < to; c++) out->data[i * to + c] = source->data[i * from + c];
+    }
+    return 1;
+}
+
+/* All runs; outputs of the last. */
+static int run_plan(session *s)
+{
+    const int passes = (int)s->plan.pass_count, repeat = s->args.repeat, warm = repeat > 1;
+    double    row[HBIL_MAX_PASSES], *ms = calloc((size_t)(passes + 1) * (size_t)repeat, sizeof *ms); /* [pass][run] */
+    image     textures[HBIL_MAX_TEXTURES];
+    int       i, p, ok = ms != NULL;
+
+    memset(textures, 0, sizeof textures);
+    if (!ok) frame_error(s->error, sizeof s->error, "out of memory for %d times. Use a smaller --repeat", repeat);
+    progress_begin("running", s->args.quiet);
+    for (i = -warm; ok && i < repeat; i++) {
+        for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
+        ok = runner_run(s->runner, &s->plan, &s->frame, s->inputs, textures, 1, row, s->error, sizeof s->error);
+        for (p = 0; ok && i >= 0 && p < passes; p++) {
+            ms[p * repeat + i] = row[p];
+            ms[passes * repeat + i] += row[p];
+        }
+        progress_show((double)(i + 1 + warm) / (repeat + warm));
+    }
+    progress_end();
+    for (p = 0; ok && p <= passes; p++) s->times[p] = timing_of(ms + p * repeat, repeat);
+    ok = ok && take_outputs(s, textures);
+    for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
+    free(ms);
+    if (ok && s->args.validate && runner_messages(s->runner) > 0)
+        ok = frame_error(s->error, sizeof s->error, "--validate: %d messages, printed above. Nothing was written",
+                         runner_messages(s->runner));
+    return ok ? DONE : fail(s, BACKEND);
+}
+
+static void measure(session *s)
+{
+    const image *truths[OUTPUT_KINDS] = {NULL, NULL, NULL, NULL};
+    int k;
+
+    truths[AO] = &s->cap.truth_ao;
+    truths[NEAR] = &s->cap.truth_near;
+    for (k = 0; k < OUTPUT_KINDS; k++)
+        if (s->outputs[k].data) s->metrics[k] = metric_measure(&s->outputs[k], truths[k], &s->cap);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* a + b; b may be absent. */
+static int add_light(image *out, const image *a, const image *b)
+{
+    const size_t count = 3 * (size_t)a->width * (size_t)a->height;
+    size_t       i;
+
+    if (!image_make(out, a->width, a->height, 3)) return 0;
+    for (i = 0; i < count; i++) out->data[i] = a->data[i] + (b->data ? b->data[i] : 0.0f);
+    return 1;
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The factor that takes the 95th percentile of the brightest channel to 0.8; lamps and sky do not count. 1 for a black frame. */
+static float find_exposure(const capture *cap)
+{
+    const size_t count = (size_t)cap->width * (size_t)cap->height;
+    float       *values = malloc(count * sizeof *values), level = 0.0f;
+    size_t       i, used = 0;
+
+    for (i = 0; values && i < count; i++) {
+        const float *d = cap->direct.data + 3 * i;
+        const float  v = fmaxf(d[0], fmaxf(d[1], d[2]));
+        if (metric_counts(cap, i) && isfinite(v)) values[used++] = v;
+    }
+    if (used > 0) {
+        qsort(values, used, sizeof *values, compare_floats);
+        level = values[used * 95 / 100];
+    }
+    free(values);
+    return level > 0.0f ? 0.8f / level : 1.0f;
+}
+
+/* Exposed, and rolled off above 0.8 so that highlights keep their shape instead of turning into flat white. */
+static void tone_map(image *img, float exposure)
+{
+    const size_t count = 3 * (size_t)img->width * (size_t)img->height;
+    size_t       i;
+
+    for (i = 0; i < count; i++) {
+        const float v = img->data[i] * exposure;
+        img->data[i] = v > 0.8f ? 1.0f - 0.2f * expf((0.8f - v) / 0.2f) : v;
+    }
+}
+
+static void show_vectors(image *img)
+{
+    const size_t count = (size_t)img->width * (size_t)img->height;
+    size_t       i;
+    int          c;
+
+    for (i = 0; i < count; i++) {
+        float      *v = img->data + 3 * i;
+        const float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        for (c = 0; c < 3; c++) v[c] = 0.5f + (length > 0.0f ? 0.5f * v[c] / length : 0.0f);
+    }
+}
+
+static int write_picture(session *s, const char *name, const image *img, int linear)
+{
+    char path[PATH_BYTES];
+
+    if (!img->data) return frame_error(s->error, sizeof s->error, "%s: out of memory for pictures", s->args.png);
+    if (snprintf(path, sizeof path, "%s/%s.png", s->args.png, name) >= (int)sizeof path)
+        return frame_error(s->error, sizeof s->error, "--png: path of more than %d bytes. Choose a shorter one", PATH_BYTES);
+    return png_write(path, img, linear, s->error, sizeof s->error);
+}
+
+static int write_pictures(session *s)
+{
+    static const image none = {0, 0, 0, NULL};
+    const float        exposure = find_exposure(&s->cap);
+    const struct { const char *name; const image *light, *glow; int vectors; } pictures[] = {
+        {"before", &s->cap.direct, &s->cap.emission, 0}, {"after", &s->outputs[COMPOSITE], &s->cap.emission, 0},
+        {"near", &s->outputs[NEAR], &none, 0},           {"bent", &s->outputs[BENT], &none, 1},
+    };
+    image  picture;
+    size_t i;
+    int    ok = 1;
+
+    if (mkdir(s->args.png, 0777) != 0 && access(s->args.png, W_OK) != 0)
+        return frame_error(s->error, sizeof s->error, "%s: cannot be made. Choose a folder that can be written", s->args.png);
+    for (i = 0; ok && i < sizeof pictures / sizeof *pictures; i++) {
+        if (!pictures[i].light->data) continue;
+        if (add_light(&picture, pictures[i].light, pictures[i].glow)) {
+            if (pictures[i].vectors) show_vectors(&picture);
+            else tone_map(&picture, exposure);
+        }
+        ok = write_picture(s, pictures[i].name, &picture, !pictures[i].vectors);
+        image_free(&picture);
+    }
+    return ok && (!s->outputs[AO].data || write_picture(s, "ao", &s->outputs[AO], 0));
+}
+
+/* ---- report ------------------------------------------------------------------------------------------------------ */
+
+/* The resolved config as text; every option if all != 0. Caller frees. */
+static char *config_text(const hbil_config *config, int all)
+{
+    size_t need = 0;
+    char  *text;
+
+    hbil_config_print(config, all, NULL, 0, &need);
+    text = malloc(need);
+    if (text) hbil_config_print(config, all, text, need, NULL);
+    return text;
+}
+
+/* "a=1 b=gl" to {"a": 1, "b": "gl"}. */
+static cJSON *config_object(const char *text)
+{
+    cJSON *object = cJSON_CreateObject();
+    char   name[64], value[256], *end;
+    int    used;
+
+    while (sscanf(text, " %63[^= ]=%255s%n", name, value, &used) == 2) {
+        double number = strtod(value, &end);
+        if (*end) cJSON_AddStringToObject(object, name, value);
+        else cJSON_AddNumberToObject(object, name, number);
+        text += used;
+    }
+    return object;
+}
+
+static void add_timing(cJSON *array, const char *name, timing t)
+{
+    cJSON *item = cJSON_CreateObject();
+
+    if (name) cJSON_AddStringToObject(item, "name", name);
+    cJSON_AddNumberToObject(item, "min", t.min);
+    cJSON_AddNumberToObject(item, "median", t.median);
+    cJSON_AddNumberToObject(item, "max", t.max);
+    cJSON_AddItemToArray(array, item);
+}
+
+static cJSON *output_object(const metric *m)
+{
+    cJSON *item = cJSON_CreateObject();
+
+    cJSON_AddNumberToObject(item, "nan", (double)m->nan);
+    cJSON_AddNumberToObject(item, "inf", (double)m->inf);
+    cJSON_AddNumberToObject(item, "negative", (double)m->negative);
+    cJSON_AddNumberToObject(item, "min", m->min);
+    cJSON_AddNumberToObject(item, "mean", m->mean);
+    cJSON_AddNumberToObject(item, "max", m->max);
+    if (m->compared > 0) {
+        cJSON_AddNumberToObject(item, "rmse", m->rmse);
+        cJSON_AddNumberToObject(item, "bias", m->bias);
+        cJSON_AddNumberToObject(item, "compared_pixels", (double)m->compared);
+    }
+    return item;
+}
+
+static int write_report(session *s)
+{
+    const runner_info *about = runner_about(s->runner);
+    cJSON *root = cJSON_CreateObject(), *passes, *outputs;
+    char  *all = config_text(&s->plan.config, 1), *text, hash[20];
+    int    k, ok;
+
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)s->plan.hash);
+    cJSON_AddStringToObject(root, "backend", about->backend);
+    cJSON_AddStringToObject(root, "device", about->device);
+    cJSON_AddStringToObject(root, "driver", about->driver);
+    cJSON_AddStringToObject(root, "timing", about->timing);
+    cJSON_AddStringToObject(root, "frame", s->args.frame ? s->args.frame : s->args.scene);
+    cJSON_AddNumberToObject(root, "width", s->cap.width);
+    cJSON_AddNumberToObject(root, "height", s->cap.height);
+    cJSON_AddStringToObject(root, "config_text", all ? all : "");
+    cJSON_AddItemToObject(root, "config", config_object(all ? all : ""));
+    cJSON_AddStringToObject(root, "config_hash", hash);
+    cJSON_AddNumberToObject(root, "texture_bytes", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height));
+    cJSON_AddNumberToObject(root, "runs", s->args.repeat);
+    passes = cJSON_AddArrayToObject(root, "passes_ms");
+    for (k = 0; k < (int)s->plan.pass_count; k++) add_timing(passes, s->plan.passes[k].name, s->times[k]);
+    add_timing(passes, "total", s->times[k]);
+    outputs = cJSON_AddObjectToObject(root, "outputs");
+    for (k = 0; k < OUTPUT_KINDS; k++)
+        if (s->outputs[k].data) cJSON_AddItemToObject(outputs, output_kinds[k].name, output_object(&s->metrics[k]));
+    text = cJSON_Print(root);
+    ok = text && all ? text_write(s->args.report, text, s->error, sizeof s->error)
+                     : frame_error(s->error, sizeof s->error, "%s: out of memory for the report", s->args.report);
+    cJSON_free(text);
+    cJSON_Delete(root);
+    free(all);
+    return ok;
+}
+
+static void print_summary(const session *s)
+{
+    const runner_info *about = runner_about(s->runner);
+    char *text = config_text(&s->plan.config, 0);
+    int   k;
+
+    printf("backend    %s: %s\n", about->backend, about->device);
+    printf("driver     %s\n", about->driver);
+    printf("frame      %s, %dx%d\n", s->args.frame ? s->args.frame : s->args.scene, s->cap.width, s->cap.height);
+    printf("config     %016llx %s\n", (unsigned long long)s->plan.hash, text && *text ? text : "defaults");
+    printf("textures   %.1f MiB of its own\n", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height) / 1048576.0);
+    printf("\n%-10s %9s %9s %9s   ms, %d run%s, %s\n", "pass", "min", "median", "max", s->args.repeat,
+           s->args.repeat > 1 ? "s" : "", about->timing);
+    for (k = 0; k <= (int)s->plan.pass_count; k++)
+        printf("%-10s %9.3f %9.3f %9.3f\n", k < (int)s->plan.pass_count ? s->plan.passes[k].name : "total",
+               s->times[k].min, s->times[k].median, s->times[k].max);
+    printf("\n%-10s %9s %9s %9s %9s %9s   rmse and bias against the truth\n", "output", "min", "mean", "max", "rmse", "bias");
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        const metric *m = &s->metrics[k];
+        if (!s->outputs[k].data) continue;
+        printf("%-10s %9.4f %9.4f %9.4f", output_kinds[k].name, m->min, m->mean, m->max);
+        if (m->compared > 0) printf(" %9.4f %+9.4f\n", m->rmse, m->bias);
+        else printf(" %9s %9s\n", "-", "-");
+    }
+    free(text);
+}
+
+/* Faults of the light itself: printed even with -q, since a picture may hide them. */
+static void print_warnings(const session *s)
+{
+    int k;
+
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        const metric *m = &s->metrics[k];
+        const size_t  negative = output_kinds[k].light ? m->negative : 0;
+        if (m->nan + m->inf + negative > 0)
+            fprintf(stderr, "hbil-frame: warning: %s holds %lu NaN, %lu infinite and %lu negative values\n", output_kinds[k].name,
+                    (unsigned long)m->nan, (unsigned long)m->inf, (unsigned long)negative);
+    }
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+/* Can `path` be written, as far as can be known without touching it? Asked before the work, not after it. */
+static int check_writable(session *s, const char *path, int folder)
+{
+    struct stat info;
+    char        parent[PATH_BYTES], *slash;
+    size_t      length;
+
+    if (!path) return 1;
+    if (strlen(path) >= sizeof parent)
+        return frame_error(s->error, sizeof s->error, "%.40s...: path of more than %d bytes. Choose a shorter one", path,
+                           PATH_BYTES);
+    if (stat(path, &info) == 0 && !S_ISDIR(info.st_mode) != !folder)
+        return frame_error(s->error, sizeof s->error, "%s: is %s. Choose another path", path,
+                           folder ? "a file, not a folder" : "a folder");
+    strcpy(parent, path);
+    for (length = strlen(path); length > 1 && parent[length - 1] == '/'; length--) parent[length - 1] = 0;
+    slash = strrchr(parent, '/');
+    if (!slash) strcpy(parent, ".");
+    else slash[slash == parent] = 0; /* keep the root's own slash */
+    if (folder && stat(path, &info) == 0) strcpy(parent, path);
+    if (access(parent, W_OK) != 0)
+        return frame_error(s->error, sizeof s->error,
+                           "%s: folder %s is missing or cannot be written. Make it, or choose another path", path, parent);
+    return 1;
+}
+
+static int check_files(session *s)
+{
+    const arguments *a = &s->args;
+
+    return check_writable(s, a->out, 0) && check_writable(s, a->report, 0) && check_writable(s, a->png, 1) ? DONE : fail(s, FILES);
+}
+
+static int write_files(session *s)
+{
+    image_layer layers[OUTPUT_KINDS];
+    int         k, ok = 1;
+
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        layers[k].layer = output_kinds[k].name;
+        layers[k].channels = output_kinds[k].channels;
+        layers[k].pixels = s->outputs[k];
+        layers[k].required = 0;
+    }
+    if (s->args.out) ok = exr_write(s->args.out, layers, OUTPUT_KINDS, s->error, sizeof s->error);
+    if (s->args.png) ok = ok && write_pictures(s);
+    if (s->args.report) ok = ok && write_report(s);
+    return ok ? DONE : fail(s, FILES);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+static void session_close(session *s)
+{
+    int i;
+
+    for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&s->inputs[i]);
+    for (i = 0; i < OUTPUT_KINDS; i++) image_free(&s->outputs[i]);
+    capture_free(&s->cap);
+    if (s->runner) runner_close(s->runner);
+    free(s->args.sets);
+    free(s);
+}
+
+/* Cheap checks first, files last. */
+static int work(session *s)
+{
+    static int (*const steps[])(session *) = {make_config, check_files, make_capture, make_plan};
+    size_t i;
+    int    code = DONE;
+
+    for (i = 0; code == DONE && i < sizeof steps / sizeof *steps; i++) code = steps[i](s);
+    if (code == DONE && !s->runner) code = open_runner(s);
+    if (code == DONE) code = run_plan(s);
+    if (code != DONE) return code;
+    measure(s);
+    code = write_files(s);
+    if (code != DONE) return code;
+    if (!s->args.quiet) print_summary(s);
+    print_warnings(s);
+    return DONE;
+}
+
+int main(int argc, char **argv)
+{
+    session *s = calloc(1, sizeof *s); /* tens of kilobytes: too much for some stacks */
+    int      code;
+
+    if (s) s->args.sets = calloc((size_t)argc, sizeof *s->args.sets);
+    if (!s || !s->args.sets) {
+        fputs("hbil-frame: out of memory\n", stderr);
+        free(s);
+        return BACKEND;
+    }
+    if (read_command_line(s, argc, argv, &code)) code = work(s);
+    session_close(s);
+    return code;
+}

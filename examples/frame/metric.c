@@ -1,0 +1,71 @@
+/* metric.c - what an output holds, and how far it is from the truth. Sums in double: a frame has millions of values. */
+#include "metric.h"
+
+#include <math.h>
+#include <string.h>
+
+int metric_counts(const capture *cap, size_t pixel)
+{
+    const float *albedo = cap->albedo.data + 3 * pixel;
+
+    if (!(cap->depth.data[pixel] < 1e9f)) return 0; /* m; sky, or NaN */
+    return albedo[0] > 0.0f || albedo[1] > 0.0f || albedo[2] > 0.0f || (cap->truth_ao.data && cap->truth_ao.data[pixel] > 0.0f);
+}
+
+static void measure_values(const image *result, metric *m)
+{
+    const size_t count = (size_t)result->width * (size_t)result->height * (size_t)result->channels;
+    size_t       i, finite = 0;
+    double       sum = 0.0;
+
+    for (i = 0; i < count; i++) {
+        const double v = (double)result->data[i];
+
+        if (isnan(v)) m->nan++;
+        if (isinf(v)) m->inf++;
+        if (v < 0.0) m->negative++;
+        if (!isfinite(v)) continue;
+        if (finite == 0 || v < m->min) m->min = v;
+        if (finite == 0 || v > m->max) m->max = v;
+        sum += v;
+        finite++;
+    }
+    if (finite > 0) m->mean = sum / (double)finite;
+}
+
+static void measure_truth(const image *result, const image *truth, const capture *cap, metric *m)
+{
+    const size_t count = (size_t)result->width * (size_t)result->height, channels = (size_t)result->channels;
+    double       sum = 0.0, squares = 0.0;
+    size_t       i, c;
+
+    for (i = 0; i < count; i++) {
+        double difference = 0.0, square = 0.0;
+
+        if (!metric_counts(cap, i)) continue;
+        for (c = 0; c < channels; c++) {
+            double d = (double)result->data[i * channels + c] - (double)truth->data[i * channels + c];
+            difference += d;
+            square += d * d;
+        }
+        if (!isfinite(square)) continue;
+        sum += difference;
+        squares += square;
+        m->compared++;
+    }
+    if (m->compared == 0) return;
+    m->bias = sum / (double)(m->compared * channels);
+    m->rmse = sqrt(squares / (double)(m->compared * channels));
+}
+
+metric metric_measure(const image *result, const image *truth, const capture *cap)
+{
+    metric m;
+
+    memset(&m, 0, sizeof m);
+    measure_values(result, &m);
+    if (truth && truth->data && truth->width == result->width && truth->height == result->height
+        && truth->channels == result->channels)
+        measure_truth(result, truth, cap, &m);
+    return m;
+}

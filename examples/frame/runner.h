@@ -1,0 +1,33 @@
+/* runner.h - run a plan on a whole device of our own: makes the device, uploads inputs, executes, reads outputs back.
+ * What an engine already has, in two hundred lines a backend, around backends/hbil_vk.h and hbil_gl.h. */
+#ifndef HBIL_FRAME_RUNNER_H
+#define HBIL_FRAME_RUNNER_H
+
+#include "../../hbil.h"
+#include "image.h"
+
+typedef struct runner runner;
+
+typedef struct runner_info {
+    char backend[16];       /* "vulkan", "gl" */
+    char device[128];       /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
+    char driver[128];       /* name and version */
+    char timing[64];        /* how milliseconds are measured */
+} runner_info;
+
+/* backend: "vulkan" or "gl". validate != 0: Khronos validation layer (Vulkan, with synchronisation checks) or KHR_debug (GL);
+ * every message counts, see runner_messages. NULL: error[] says what is missing and how to get it. */
+runner            *runner_open(const char *backend, int validate, char *error, size_t error_size);
+void               runner_close(runner *r);
+const runner_info *runner_about(const runner *r);
+/* Messages of the validation layer or of GL debug output (errors and warnings) so far; they are printed to stderr too. */
+int                runner_messages(const runner *r);
+
+/* Run the plan on one frame. inputs: indexed by plan texture, present for every INPUT. outputs: indexed by plan texture; made
+ * here for every OUTPUT (channels as the format has: r32f 1, rgba32f 4; a is kept), freed by the caller.
+ * repeat >= 1 executions with the same frame; ms (may be NULL) gets repeat * pass_count milliseconds, [run][pass].
+ * Pipelines are kept while the plan stays the same (memcmp). 1 on success, 0: error[] says why. */
+int runner_run(runner *r, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
+               image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size);
+
+#endif

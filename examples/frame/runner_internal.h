@@ -1,0 +1,20 @@
+/* runner_internal.h - what runner.c asks of a backend. One table each in runner_vk.c and runner_gl.c. */
+#ifndef HBIL_FRAME_RUNNER_INTERNAL_H
+#define HBIL_FRAME_RUNNER_INTERNAL_H
+
+#include "runner.h"
+
+/* As the functions of runner.h, which check arguments common to all backends first: inputs present, repeat >= 1, outputs
+ * cleared. open fills about whole and returns the device, NULL on failure. run makes the outputs; on failure runner.c frees
+ * those already made. */
+typedef struct runner_ops {
+    void *(*open)(int validate, runner_info *about, char *error, size_t error_size);
+    void  (*close)(void *device);
+    int   (*messages)(const void *device);
+    int   (*run)(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
+                 image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size);
+} runner_ops;
+
+extern const runner_ops runner_vulkan, runner_gl;
+
+#endif

@@ -1,0 +1,2583 @@
+/* hbil.h - 0.1.0 - horizon-based indirect lighting: writes the shaders, plans the frame.              MIT or public domain
+ *
+ * From a configuration struct this header writes specialised GLSL compute shaders for screen-space lighting (ambient
+ * occlusion, near light, bent vectors from the horizons of the depth buffer) and a plan, plain data, that tells any engine
+ * which textures to make, which passes to dispatch, with what bindings and barriers.
+ *
+ *     #define HBIL_IMPLEMENTATION                     // in one C or C++ file
+ *     #include "hbil.h"
+ *
+ *     hbil_config config = {0};                       // zero is the default, everywhere
+ *     hbil_plan   plan;
+ *     config.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR;
+ *     config.depth   = HBIL_DEPTH_DEVICE;
+ *     if (hbil_plan_build(&config, &plan, NULL) == HBIL_OK)
+ *         for (i = 0; i < plan.pass_count; ++i)
+ *             hbil_emit_glsl(&plan, i, text, sizeof text, NULL);
+ *
+ * CONTENTS     search for the anchors
+ *   >>does  >>steps  >>switches  >>conventions  >>promises  >>targets      the manual
+ *   >>api                                                                 declarations
+ *   >>tables  >>glsl  >>sink  >>words  >>config  >>filter  >>plan  >>emit  >>manifest  >>frame  >>public   implementation
+ *
+ * ======================================================================================================================
+ * >>does
+ *
+ *   DOES       write GLSL for Vulkan and OpenGL; say what to allocate, bind, wait for and dispatch; pack the uniform block;
+ *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask for.
+ *   DOES NOT   call a GPU, allocate, read files, compile SPIR-V (backends/hbil_glslang.h does), trace rays, or see what is off
+ *              the screen or behind the first surface: light from there is your probes' work.
+ *
+ * ======================================================================================================================
+ * >>steps
+ *
+ *   1. hbil_config: zero it, set what you care about. hbil_config_parse reads the same from text, hbil_config_preset from a name.
+ *   2. hbil_plan_build. On HBIL_E_CONFIG the diagnostics name each option, its value and the legal range.
+ *   3. For each texture of the plan that is TRANSIENT or HISTORY: make it (format, hbil_plan_extent, copies). INPUT and
+ *      OUTPUT are yours. For each pass: hbil_emit_glsl, compile, make a pipeline.
+ *   4. Each frame: fill hbil_frame, hbil_pack_constants into a uniform buffer, hbil_plan_frame for the group counts.
+ *   5. For each pass, in order: wait as its barriers say, bind its bindings by slot, dispatch.
+ *   backends/hbil_vk.h and hbil_gl.h do steps 3 to 5 as they stand; backends/hbil_null.h proves a plan that you edited.
+ *
+ * ======================================================================================================================
+ * >>switches   macros
+ *
+ *   HBIL_IMPLEMENTATION   in exactly one file: the implementation too.
+ *   HBIL_API              everywhere, the same: linkage of the functions. default extern; static keeps all of it in one file.
+ *
+ * ======================================================================================================================
+ * >>conventions
+ *
+ *   texels     row 0 is ndc y = -1, in Vulkan, GL and files alike. Pixel (x, y) has its centre at (x + 0.5, y + 0.5) and
+ *              ndc = 2 (pixel centre) / size - 1. If your images are stored the other way up, negate row 1 of the projection.
+ *   matrices   column-major floats, column vectors: clip = projection * view * world. m[4 * column + row].
+ *   projection perspective (clip w = -z or +z of view space) or orthographic; off-centre, jittered and left-handed are read
+ *              from the matrix. view x alone must make clip x, and y clip y.
+ *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
+ *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
+ *              orthographic depth = d (near - far) + far.
+ *   sky        linear: depth >= sky_depth, zero, negative (perspective) or NaN. device: v is the clear value 1 (forward) or 0
+ *              (reversed). A sky pixel occludes nothing, gives no light, and gets ao 1, near 0, bent 0.
+ *   normals    unit, pointing away from the surface, in view or world space; never encoded (signed floats or snorm).
+ *   radiance   linear, any unit; NaN and negative count as 0, more than 60000 as 60000.
+ *   near       E/pi: irradiance divided by pi, in the unit of the radiance. Reflected light is albedo * near, without another pi.
+ *   ao         visible part of the cosine-weighted hemisphere. 1 is open. For the same samples near + ao = 1 if all radiance is 1.
+ *   bent       (1/pi) * integral of V(w) w (n.w) dw, in your view space; length 2/3 and direction n when open.
+ *
+ * ======================================================================================================================
+ * >>promises
+ *
+ *   memory     none is taken. Everything lives in your structs and buffers; a plan is plain data below 8 KB, without pointers.
+ *   threads    every function may run on any number of threads at once, on different outputs. There is no global state.
+ *   text       same config, same bytes: on every compiler, platform and locale, in every run. Equal hash, equal text.
+ *   errors     collected, not the first one only; each names the option and the legal range. Input never trips an assertion.
+ *   versions   source-compatible within a major version; a new member at zero changes nothing. Emitted text may change with
+ *              any version: CHANGELOG.md says so under EMIT, and HBIL_VERSION is part of the hash.
+ *   warnings   none, as C99, C11, C++11, C++20 under the flags of CMakeLists.txt.
+ *
+ * ======================================================================================================================
+ * >>targets
+ *
+ *                       vulkan (GLSL 450)        gl (GLSL 430 core)
+ *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
+ *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
+ *   real GPU            untested                 untested
+ */
+
+/* ======================================================================
+ * >>api        declarations
+ * ====================================================================== */
+
+#ifndef HBIL_H
+#define HBIL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define HBIL_VERSION_MAJOR 0
+#define HBIL_VERSION_MINOR 1
+#define HBIL_VERSION_PATCH 0
+#define HBIL_VERSION (HBIL_VERSION_MAJOR * 10000 + HBIL_VERSION_MINOR * 100 + HBIL_VERSION_PATCH)
+
+#ifndef HBIL_API
+#define HBIL_API extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Result of every call that can fail. This list makes the enum and the names. */
+#define HBIL_RESULTS(X)                                             \
+    X(OK,       "success")                                          \
+    X(E_ARG,    "null pointer or index out of range")               \
+    X(E_CONFIG, "config rejected, see the diagnostics")             \
+    X(E_FRAME,  "frame does not fit the plan, see the diagnostics") \
+    X(E_SPACE,  "buffer too small, *need tells the size")
+#define HBIL__RESULT_ENUM(name, text) HBIL_##name,
+typedef enum hbil_result { HBIL_RESULTS(HBIL__RESULT_ENUM) HBIL_RESULT_COUNT } hbil_result;
+
+/* <<gen enums      written by `cmake --build build --target embed` from the tables: do not edit */
+typedef enum hbil_target { HBIL_TARGET_VULKAN = 1, HBIL_TARGET_GL } hbil_target;
+typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_NEAR = 0x2, HBIL_OUTPUTS_BENT = 0x4, HBIL_OUTPUTS_COMPOSITE = 0x8 } hbil_outputs;
+typedef enum hbil_spacing { HBIL_SPACING_POWER = 1, HBIL_SPACING_GEOMETRIC } hbil_spacing;
+typedef enum hbil_noise { HBIL_NOISE_NONE = 1, HBIL_NOISE_IGN, HBIL_NOISE_HILBERT_R2 } hbil_noise;
+typedef enum hbil_projection { HBIL_PROJECTION_PERSPECTIVE = 1, HBIL_PROJECTION_ORTHOGRAPHIC } hbil_projection;
+typedef enum hbil_depth { HBIL_DEPTH_LINEAR = 1, HBIL_DEPTH_DEVICE } hbil_depth;
+typedef enum hbil_depth_direction { HBIL_DEPTH_DIRECTION_FORWARD = 1, HBIL_DEPTH_DIRECTION_REVERSED } hbil_depth_direction;
+typedef enum hbil_depth_far { HBIL_DEPTH_FAR_FINITE = 1, HBIL_DEPTH_FAR_INFINITE } hbil_depth_far;
+typedef enum hbil_clip { HBIL_CLIP_VULKAN = 1, HBIL_CLIP_GL } hbil_clip;
+typedef enum hbil_normals { HBIL_NORMALS_VIEW = 1, HBIL_NORMALS_WORLD, HBIL_NORMALS_DEPTH } hbil_normals;
+typedef enum hbil_seed_compat { HBIL_SEED_COMPAT_SCREEN_AZIMUTH = 0x1, HBIL_SEED_COMPAT_SLICE_MEAN = 0x2 } hbil_seed_compat;
+typedef enum hbil_dynamic { HBIL_DYNAMIC_SLICES = 0x1, HBIL_DYNAMIC_STEPS = 0x2, HBIL_DYNAMIC_EXPONENT = 0x4, HBIL_DYNAMIC_REACH = 0x8,
+    HBIL_DYNAMIC_FALLOFF = 0x10, HBIL_DYNAMIC_BIAS = 0x20, HBIL_DYNAMIC_PULL = 0x40, HBIL_DYNAMIC_SKY_DEPTH = 0x80 } hbil_dynamic;
+typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R32UI, HBIL_FORMAT_RGBA32F, HBIL_FORMAT_COUNT } hbil_format;
+/* >>gen enums */
+
+/* How a pass touches a texture. SAMPLE: texelFetch through a sampler. WRITE: image store, never read in that pass. */
+typedef enum hbil_access { HBIL_ACCESS_SAMPLE = 1, HBIL_ACCESS_WRITE = 2 } hbil_access;
+/* Whose a texture is. INPUT, OUTPUT: yours. TRANSIENT: garbage between frames, may alias. HISTORY: survives frames. */
+typedef enum hbil_life { HBIL_LIFE_INPUT = 1, HBIL_LIFE_OUTPUT, HBIL_LIFE_TRANSIENT, HBIL_LIFE_HISTORY } hbil_life;
+/* Type of a member of the uniform block. MAT3 is three vec4 columns (std140). */
+typedef enum hbil_type { HBIL_TYPE_INT = 1, HBIL_TYPE_UINT, HBIL_TYPE_FLOAT, HBIL_TYPE_VEC2, HBIL_TYPE_IVEC2,
+                         HBIL_TYPE_VEC4, HBIL_TYPE_MAT3 } hbil_type;
+typedef enum hbil_kind { HBIL_KIND_CHOICE = 1, HBIL_KIND_SET, HBIL_KIND_INT, HBIL_KIND_FLOAT } hbil_kind;
+typedef enum hbil_severity { HBIL_NOTE = 1, HBIL_WARNING, HBIL_ERROR } hbil_severity;
+
+/* What you want. Zero every member, then set what you care about: 0 always means "the default".
+ * C: hbil_config c = {0};   C++: hbil_config c = {}; */
+typedef struct hbil_config {
+    uint32_t guard;         /* leave 0: catches a struct that was not cleared */
+    /* <<gen config     written by `cmake --build build --target embed` from the tables: do not edit */
+    /* dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL. {vulkan, gl}, default vulkan. baked. source: project */
+    int32_t target;
+    /* what is computed: ambient occlusion, near light, bent vector, direct + albedo * near. {ao, near, bent, composite}, default ao+near+composite. baked. source: project */
+    uint32_t outputs;
+    /* two-sided slices per pixel, uniform around the local view vector. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 2.1 */
+    int32_t slices;
+    /* depth samples per side of a slice. count, [1, 256], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.3 */
+    int32_t steps;
+    /* distances of the samples: 1 + t^exponent (R - 1) pixels, or R^t. {power, geometric}, default power. baked. source: measured on frames */
+    int32_t spacing;
+    /* convergence exponent: how much the samples crowd around the pixel. 1, [1, 8], default 2. baked or dynamic. source: YPipeline HBIL article */
+    float exponent;
+    /* world radius of the search; 0 is the whole screen, ended at its border per side. m, [1e-6, 1e9], default 0. baked or dynamic. source: project */
+    float reach;
+    /* share of the reach over which an occluder fades out. 1, [0.01, 1], default 0.6. baked or dynamic. source: Jimenez 2016, XeGTAO */
+    float falloff;
+    /* sine of the elevation above the tangent plane below which a sample is ignored. 1, [1e-6, 0.5], default 0.001. baked or dynamic. source: Bavoil 2008 */
+    float bias;
+    /* part of its depth by which the receiver is pulled towards the camera against rounding. 1, [1e-8, 0.01], default 1e-5. baked or dynamic. source: XeGTAO */
+    float pull;
+    /* rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2. {none, ign, hilbert_r2}, default hilbert_r2. baked. source: Jimenez 2014, Roberts 2018 */
+    int32_t noise;
+    /* camera; off-centre and jittered matrices are fine. {perspective, orthographic}, default perspective. baked. source: project */
+    int32_t projection;
+    /* depth input: view depth in metres, or the depth buffer's value in [0, 1]. {linear, device}, default linear. baked. source: project */
+    int32_t depth;
+    /* linear depth from which on a pixel is sky. m, [1e-3, 1e15], default 1e9. baked or dynamic. source: project */
+    float sky_depth;
+    /* depth buffer value of the far end: 1 (forward) or 0 (reversed-Z). {forward, reversed}, default forward. baked. source: project */
+    int32_t depth_direction;
+    /* far plane of the projection matrix. {finite, infinite}, default finite. baked. source: project */
+    int32_t depth_far;
+    /* range of the projection's ndc z: [0, 1] (Vulkan, Direct3D, glClipControl) or [-1, 1] (GL). {vulkan, gl}, default vulkan. baked. source: project */
+    int32_t clip;
+    /* normal input: in view space, in world space, or none: rebuilt from depth. {view, world, depth}, default view. baked. source: project */
+    int32_t normals;
+    /* render width baked into the text; 0 keeps the size a uniform. pixels, [1, 16384], default 0. baked. source: project */
+    int32_t width;
+    /* render height baked into the text, together with width. pixels, [1, 16384], default 0. baked. source: project */
+    int32_t height;
+    /* arithmetic of older articles, to see the difference: slices uniform on the screen; mean over slices, no ratio. {screen_azimuth, slice_mean}, default none. baked. source: YPipeline HBIL article */
+    uint32_t seed_compat;
+    /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, bias, pull, sky_depth}, default none. baked. source: project */
+    uint32_t dynamic;
+    /* >>gen config */
+    uint32_t guard_end;     /* leave 0 */
+} hbil_config;
+
+/* One row of the option table, for UIs, docs and command lines. All text is static. */
+typedef struct hbil_option {
+    const char *name, *unit, *choices /* blank-separated */, *applies /* "" or expression */, *meaning, *source;
+    hbil_kind   kind;
+    uint32_t    dynamic;    /* its HBIL_DYNAMIC_ bit; 0: always baked */
+    uint32_t    offset;     /* of the 4-byte member in hbil_config: int32_t CHOICE, INT; uint32_t SET; float FLOAT */
+    double      min, max, def;
+} hbil_option;
+
+/* One finding about a config or a frame. */
+typedef struct hbil_diag {
+    hbil_severity severity;
+    int32_t       option;   /* index for hbil_option_at, -1: none */
+    char          text[152]; /* names the option, its value and the legal range; terminated */
+} hbil_diag;
+
+/* Collects findings. The memory is yours; a NULL hbil_diags is fine wherever one is a parameter. */
+typedef struct hbil_diags {
+    hbil_diag *items;
+    int32_t    capacity;
+    int32_t    count;       /* findings made; may exceed capacity: the surplus is only counted. Calls add to it */
+} hbil_diags;
+
+#define HBIL_MAX_TEXTURES  24
+#define HBIL_MAX_PASSES    16
+#define HBIL_MAX_BINDINGS  12
+#define HBIL_MAX_CONSTANTS 32
+#define HBIL_GLSL_MAX      65536 /* bytes of the text of one pass, at most */
+#define HBIL_CONSTANTS_MAX 1024  /* bytes of the uniform block, at most */
+
+typedef struct hbil_texture {
+    char     name[20];      /* lower snake; the text calls it u_<name> */
+    uint16_t format;        /* hbil_format */
+    uint16_t life;          /* hbil_life */
+    uint16_t div;           /* size = ceil(render size / div) */
+    uint16_t mips;          /* >= 1 */
+    uint16_t copies;        /* 1; more for HISTORY: copy (frame index + copies - age) mod copies */
+    uint16_t reserved;
+} hbil_texture;
+
+typedef struct hbil_binding {
+    uint16_t texture;       /* index into plan.textures */
+    uint16_t slot;          /* Vulkan: binding in set 0. GL: texture unit (SAMPLE) or image unit (WRITE) */
+    uint8_t  access;        /* hbil_access */
+    uint8_t  age;           /* 0: this frame's copy, 1: last frame's */
+    uint8_t  mip;           /* level written */
+    uint8_t  reserved;
+} hbil_binding;
+
+/* Before this pass: earlier accesses of `before` kind to the texture must be finished and visible to `after`.
+ * Derived from the bindings, over frames too (a transient is written again while last frame may still read it).
+ * Your own textures: barriers inside the plan only; before and after it they are yours to synchronise. */
+typedef struct hbil_barrier {
+    uint16_t texture;
+    uint8_t  before, after; /* hbil_access */
+} hbil_barrier;
+
+typedef struct hbil_pass {
+    char         name[20];  /* lower snake: file stem, debug label, --pass */
+    uint16_t     group[2];  /* workgroup size in x and y, as in the text */
+    uint16_t     domain;    /* texture whose texels the grid covers */
+    uint16_t     constants; /* 1: the pass reads the uniform block, at plan.constants_slot */
+    uint16_t     binding_count, barrier_count;
+    hbil_binding bindings[HBIL_MAX_BINDINGS];
+    hbil_barrier barriers[HBIL_MAX_BINDINGS];
+} hbil_pass;
+
+/* One member of the uniform block (std140), for engines that fill it themselves and for reflection. */
+typedef struct hbil_constant {
+    char     name[24];      /* as in the text */
+    uint16_t offset;        /* bytes */
+    uint16_t type;          /* hbil_type */
+    int32_t  option;        /* index of the dynamic option, or -1 */
+} hbil_constant;
+
+/* What to make and what to dispatch: plain data, no pointers, no padding. Equal configs give memcmp-equal plans. */
+typedef struct hbil_plan {
+    hbil_config   config;   /* resolved: every member explicit */
+    uint64_t      hash;     /* of the version and the canonical config text: equal hash, equal bytes of text */
+    uint32_t      constants_size; /* bytes of the uniform block; 0: none */
+    uint32_t      constants_slot; /* its binding */
+    uint32_t      pass_count, texture_count, constant_count;
+    uint32_t      reserved;
+    hbil_texture  textures[HBIL_MAX_TEXTURES];
+    hbil_pass     passes[HBIL_MAX_PASSES];       /* in execution order */
+    hbil_constant constants[HBIL_MAX_CONSTANTS]; /* in memory order */
+} hbil_plan;
+
+/* One frame: what changes from frame to frame. Zero it first. */
+typedef struct hbil_frame {
+    uint32_t guard;         /* leave 0 */
+    uint32_t width, height; /* render size in pixels, [1, 16384]; 0 where the config bakes it */
+    uint32_t index;         /* frame number: advances the noise */
+    float    projection[16];/* view -> clip, column-major, jitter included. Texel row 0 is ndc y = -1 */
+    float    view[16];      /* world -> view, column-major, rigid. Read with normals=world only */
+    const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored */
+} hbil_frame;
+
+typedef struct hbil_dispatch { uint32_t groups[3]; } hbil_dispatch;
+
+/* No function below allocates, prints, or touches files, locale or global state; all of them may run at the same time
+ * on different outputs. Pointers must not be NULL unless said so. On HBIL_E_ARG outputs are left as they were.
+ * buf/cap/need: text functions write at most cap bytes, always terminated if cap > 0, and set *need (may be NULL) to the
+ * bytes that the whole text takes, terminator included. buf may be NULL if cap is 0. Too small: HBIL_E_SPACE. */
+
+/* HBIL_VERSION of the implementation; compare with the macro to detect a mixed build. */
+HBIL_API uint32_t    hbil_version(void);
+/* Static text, never NULL: "unknown" outside the enum. */
+HBIL_API const char *hbil_result_name(hbil_result result);
+/* The GLSL layout qualifier, "rgba32f"; "any" for HBIL_FORMAT_ANY. */
+HBIL_API const char *hbil_format_name(hbil_format format);
+/* Bytes per texel; 0 for HBIL_FORMAT_ANY and outside the enum. */
+HBIL_API uint32_t    hbil_format_bytes(hbil_format format);
+
+/* The option table. index in [0, hbil_option_count()); NULL outside. */
+HBIL_API int32_t            hbil_option_count(void);
+HBIL_API const hbil_option *hbil_option_at(int32_t index);
+/* Index by name (len bytes), -1 if there is none. *nearest (may be NULL) gets the most similar name's index. */
+HBIL_API int32_t            hbil_option_find(const char *name, size_t len, int32_t *nearest);
+
+/* Presets by index, for lists: name and meaning, NULL outside. */
+HBIL_API const char *hbil_preset_name(int32_t index);
+HBIL_API const char *hbil_preset_meaning(int32_t index);
+/* Fill *out with a preset by name; members may be changed afterwards. E_CONFIG: no such preset. */
+HBIL_API hbil_result hbil_config_preset(const char *name, hbil_config *out, hbil_diags *diags);
+/* Set one option from text: ("reach", "2.5"), ("outputs", "ao+near"), ("slices", "default"). The decimal mark is '.'
+ * under any locale. E_CONFIG: unknown name, or a value that does not parse or is out of range; *config is unchanged. */
+HBIL_API hbil_result hbil_config_set(hbil_config *config, const char *name, const char *value, hbil_diags *diags);
+/* Read name=value pairs, separated by blanks, commas or line ends; # starts a comment. Sets what is right and reports
+ * every fault, with its line if there are several. E_CONFIG */
+HBIL_API hbil_result hbil_config_parse(hbil_config *config, const char *text, size_t len, hbil_diags *diags);
+/* Replace zeros by defaults, check ranges and combinations, reset options that have no effect. Collects every fault
+ * before it returns. in may equal out. Idempotent. E_CONFIG */
+HBIL_API hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_diags *diags);
+/* Canonical text: table order, only what differs from the default, blank-separated, shortest numbers that read back
+ * equal. Every option if all != 0. parse(print(c)) resolves to resolve(c). E_SPACE */
+HBIL_API hbil_result hbil_config_print(const hbil_config *config, int all, char *buf, size_t cap, size_t *need);
+/* Hash of version and canonical text of the resolved config; 0 if it does not resolve. */
+HBIL_API uint64_t    hbil_config_hash(const hbil_config *config);
+
+/* Build passes, textures and uniform block. *out is written whole, so plans compare with memcmp. E_CONFIG */
+HBIL_API hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, hbil_diags *diags);
+/* Index of a texture or pass by name, -1 if the plan has none. */
+HBIL_API int32_t     hbil_plan_texture(const hbil_plan *plan, const char *name);
+HBIL_API int32_t     hbil_plan_pass(const hbil_plan *plan, const char *name);
+/* Size in texels of mip 0 at render size width x height, each in [1, 16384]. */
+HBIL_API hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t width, uint32_t height, uint32_t out[2]);
+/* Bytes of TRANSIENT and HISTORY textures without aliasing; 0 on a bad argument. */
+HBIL_API uint64_t    hbil_plan_memory(const hbil_plan *plan, uint32_t width, uint32_t height);
+/* Group counts of this frame; out has plan->pass_count entries. */
+HBIL_API hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *frame, hbil_dispatch *out);
+
+/* The GLSL of one pass. Same config, same bytes: on every platform, compiler and locale. E_SPACE */
+HBIL_API hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need);
+/* JSON description of the plan, for engines not written in C. E_SPACE */
+HBIL_API hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need);
+/* The uniform block of this frame, laid out as plan->constants says. Checks the frame against the config. *need gets
+ * plan->constants_size. E_FRAME, E_SPACE */
+HBIL_API hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame *frame, void *buf, size_t cap,
+                                         size_t *need, hbil_diags *diags);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* HBIL_H */
+
+/* ==================================================================================================================
+ *                                    API READERS MAY STOP HERE
+ * ================================================================================================================== */
+
+#ifdef HBIL_IMPLEMENTATION
+#ifndef HBIL_IMPLEMENTED
+#define HBIL_IMPLEMENTED
+
+#include <string.h>
+
+/* ======================================================================
+ * >>tables     options, formats, textures, passes, bindings, uniforms
+ * ====================================================================== */
+
+#define HBIL__COUNT(a) ((int32_t)(sizeof(a) / sizeof((a)[0])))
+
+/* <<gen options    written by `cmake --build build --target embed` from the tables: do not edit */
+static const hbil_option hbil__options[] = {
+    { "target", "", "vulkan gl",
+      "",
+      "dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, target), 1, 2, 1 },
+    { "outputs", "", "ao near bent composite",
+      "",
+      "what is computed: ambient occlusion, near light, bent vector, direct + albedo * near",
+      "project",
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, outputs), 0, 15, 11 },
+    { "slices", "count", "",
+      "",
+      "two-sided slices per pixel, uniform around the local view vector",
+      "Mayaux 2018 sec. 2.1",
+      HBIL_KIND_INT, HBIL_DYNAMIC_SLICES, (uint32_t)offsetof(hbil_config, slices), 1, 64, 3 },
+    { "steps", "count", "",
+      "",
+      "depth samples per side of a slice",
+      "Mayaux 2018 sec. 3.3",
+      HBIL_KIND_INT, HBIL_DYNAMIC_STEPS, (uint32_t)offsetof(hbil_config, steps), 1, 256, 6 },
+    { "spacing", "", "power geometric",
+      "",
+      "distances of the samples: 1 + t^exponent (R - 1) pixels, or R^t",
+      "measured on frames",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, spacing), 1, 2, 1 },
+    { "exponent", "1", "",
+      "HBIL_SPACING_POWER",
+      "convergence exponent: how much the samples crowd around the pixel",
+      "YPipeline HBIL article",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_EXPONENT, (uint32_t)offsetof(hbil_config, exponent), 1, 8, 2 },
+    { "reach", "m", "",
+      "",
+      "world radius of the search; 0 is the whole screen, ended at its border per side",
+      "project",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_REACH, (uint32_t)offsetof(hbil_config, reach), 1e-6, 1e9, 0 },
+    { "falloff", "1", "",
+      "!HBIL_REACH_0",
+      "share of the reach over which an occluder fades out",
+      "Jimenez 2016, XeGTAO",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_FALLOFF, (uint32_t)offsetof(hbil_config, falloff), 0.01, 1, 0.6 },
+    { "bias", "1", "",
+      "",
+      "sine of the elevation above the tangent plane below which a sample is ignored",
+      "Bavoil 2008",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_BIAS, (uint32_t)offsetof(hbil_config, bias), 1e-6, 0.5, 0.001 },
+    { "pull", "1", "",
+      "",
+      "part of its depth by which the receiver is pulled towards the camera against rounding",
+      "XeGTAO",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_PULL, (uint32_t)offsetof(hbil_config, pull), 1e-8, 0.01, 1e-5 },
+    { "noise", "", "none ign hilbert_r2",
+      "",
+      "rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2",
+      "Jimenez 2014, Roberts 2018",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, noise), 1, 3, 3 },
+    { "projection", "", "perspective orthographic",
+      "",
+      "camera; off-centre and jittered matrices are fine",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, projection), 1, 2, 1 },
+    { "depth", "", "linear device",
+      "",
+      "depth input: view depth in metres, or the depth buffer's value in [0, 1]",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, depth), 1, 2, 1 },
+    { "sky_depth", "m", "",
+      "HBIL_DEPTH_LINEAR",
+      "linear depth from which on a pixel is sky",
+      "project",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_SKY_DEPTH, (uint32_t)offsetof(hbil_config, sky_depth), 1e-3, 1e15, 1e9 },
+    { "depth_direction", "", "forward reversed",
+      "HBIL_DEPTH_DEVICE || HBIL_PROJECTION_ORTHOGRAPHIC",
+      "depth buffer value of the far end: 1 (forward) or 0 (reversed-Z)",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, depth_direction), 1, 2, 1 },
+    { "depth_far", "", "finite infinite",
+      "HBIL_DEPTH_DEVICE && HBIL_PROJECTION_PERSPECTIVE",
+      "far plane of the projection matrix",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, depth_far), 1, 2, 1 },
+    { "clip", "", "vulkan gl",
+      "HBIL_DEPTH_DEVICE",
+      "range of the projection's ndc z: [0, 1] (Vulkan, Direct3D, glClipControl) or [-1, 1] (GL)",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, clip), 1, 2, 1 },
+    { "normals", "", "view world depth",
+      "",
+      "normal input: in view space, in world space, or none: rebuilt from depth",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, normals), 1, 3, 1 },
+    { "width", "pixels", "",
+      "",
+      "render width baked into the text; 0 keeps the size a uniform",
+      "project",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, width), 1, 16384, 0 },
+    { "height", "pixels", "",
+      "",
+      "render height baked into the text, together with width",
+      "project",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, height), 1, 16384, 0 },
+    { "seed_compat", "", "screen_azimuth slice_mean",
+      "",
+      "arithmetic of older articles, to see the difference: slices uniform on the screen; mean over slices, no ratio",
+      "YPipeline HBIL article",
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, seed_compat), 0, 3, 0 },
+    { "dynamic", "", "slices steps exponent reach falloff bias pull sky_depth",
+      "",
+      "options kept as uniforms that may change from frame to frame; all others are literals in the text",
+      "project",
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 255, 0 },
+};
+static const struct { const char *name, *config, *meaning; } hbil__presets[] = {
+    { "fast", "slices=2 steps=4", "for weak GPUs; noisy without a filter" },
+    { "balanced", "", "the defaults" },
+    { "quality", "slices=6 steps=12", "four times the samples of balanced" },
+    { "reference", "slices=32 steps=128", "converged to about 0.02; for comparisons, not for games" },
+};
+/* >>gen options */
+
+/* <<gen passes     written by `cmake --build build --target embed` from the tables: do not edit */
+static const struct { const char *layout; uint32_t bytes; } hbil__formats[] = {
+    { "", 0 },
+    { "r32f", 4 },
+    { "r32ui", 4 },
+    { "rgba32f", 16 },
+};
+static const struct { const char *name; uint16_t life, format; const char *wanted, *meaning; } hbil__textures[] = {
+    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+      "depth as the option depth says. row 0 is ndc y = -1" },
+    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+      "shading normal xyz in [-1, 1], unit length expected" },
+    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+      "rgb radiance that leaves each surface and bounces, linear" },
+    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+      "rgb outgoing radiance without indirect light, linear" },
+    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+      "rgb diffuse reflectance in [0, 1]" },
+    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, "",
+      "view depth. m, 1e15 is sky" },
+    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, "",
+      "octahedral normal, 2 x snorm16; x right, y up, z into the screen" },
+    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, "HBIL_OUTPUTS_AO",
+      "cosine-weighted visibility. 1 is open, range [0, 1]" },
+    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_NEAR",
+      "near irradiance E/pi: multiply by albedo and be done. a = 1" },
+    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_BENT",
+      "cosine-weighted bent vector in view space, not normalised, length 2/3 when open. a = 1" },
+    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_COMPOSITE",
+      "direct + albedo * near. a = 1" },
+};
+static const struct { const char *name, *exists; uint16_t domain, group[2]; const char *meaning; } hbil__passes[] = {
+    { "prepare", "", 5, { 8, 8 },
+      "depth of any convention to metres, normals to view space, sky classified on the raw value" },
+    { "march", "", 5, { 8, 8 },
+      "horizons of every slice; visibility, near light and bent vector from the same samples" },
+    { "composite", "HBIL_OUTPUTS_COMPOSITE", 10, { 8, 8 },
+      "reflected light: direct + albedo * near" },
+};
+static const struct { uint16_t pass, texture, access; } hbil__binds[] = {
+    { 0, 0, HBIL_ACCESS_SAMPLE }, /* prepare depth */
+    { 0, 1, HBIL_ACCESS_SAMPLE }, /* prepare normal */
+    { 0, 5, HBIL_ACCESS_WRITE }, /* prepare view_depth */
+    { 0, 6, HBIL_ACCESS_WRITE }, /* prepare view_normal */
+    { 1, 5, HBIL_ACCESS_SAMPLE }, /* march view_depth */
+    { 1, 6, HBIL_ACCESS_SAMPLE }, /* march view_normal */
+    { 1, 2, HBIL_ACCESS_SAMPLE }, /* march radiance */
+    { 1, 7, HBIL_ACCESS_WRITE }, /* march ao */
+    { 1, 8, HBIL_ACCESS_WRITE }, /* march near */
+    { 1, 9, HBIL_ACCESS_WRITE }, /* march bent */
+    { 2, 3, HBIL_ACCESS_SAMPLE }, /* composite direct */
+    { 2, 4, HBIL_ACCESS_SAMPLE }, /* composite albedo */
+    { 2, 8, HBIL_ACCESS_SAMPLE }, /* composite near */
+    { 2, 10, HBIL_ACCESS_WRITE }, /* composite composite */
+};
+static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
+      "view xy at depth 1 (perspective) or at any depth (orthographic) = pixel * xy + zw; pixel centres at .5" },
+    { HBIL_TYPE_VEC2, "vec2", "HBIL_DEPTH_TO_VIEW",
+      "v = d * x + y with d = 1 at the near end: depth = 1/v (perspective) or v (orthographic)" },
+    { HBIL_TYPE_IVEC2, "ivec2", "HBIL_SIZE",
+      "render size. pixels" },
+    { HBIL_TYPE_MAT3, "mat3", "HBIL_WORLD_TO_VIEW",
+      "rotation from world to view space, z into the screen" },
+    { HBIL_TYPE_FLOAT, "float", "HBIL_VIEW_Z",
+      "z of the camera's forward axis in your view space. -1 right-handed, +1 left-handed" },
+    { HBIL_TYPE_UINT, "uint", "HBIL_FRAME_INDEX",
+      "frame number, advances the noise" },
+};
+/* >>gen passes */
+
+static const struct { const char *glsl; uint16_t size, align; } hbil__types[] = { /* std140, by hbil_type */
+    { "", 0, 1 }, { "int", 4, 4 }, { "uint", 4, 4 }, { "float", 4, 4 }, { "vec2", 8, 8 }, { "ivec2", 8, 8 },
+    { "vec4", 16, 16 }, { "mat3", 48, 16 } };
+static const char *const hbil__access_names[] = { "", "sample", "write" };
+static const char *const hbil__life_names[] = { "", "input", "output", "transient", "history" };
+
+/* ======================================================================
+ * >>glsl       the shader text, a chunk per function
+ * ====================================================================== */
+
+/* <<gen glsl       written by `cmake --build build --target embed` from shadergen/glsl: do not edit */
+static const char hbil__glsl_common_HBIL_SKY[] =
+"const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m\n";
+static const char hbil__glsl_common_HBIL_RADIANCE_MAX[] =
+"const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite\n";
+static const char hbil__glsl_common_hbil_position[] =
+"// Point seen at a pixel position (centres at .5) and view depth. m\n"
+"vec3 hbil_position(vec2 pixel, float z) {\n"
+"    vec2 ray = pixel * HBIL_PIXEL_TO_RAY.xy + HBIL_PIXEL_TO_RAY.zw;\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return vec3(ray * z, z);\n"
+"#else\n"
+"    return vec3(ray, z);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_common_hbil_view_vector[] =
+"// Unit vector from the surface seen at a pixel position to the eye. From the pixel alone: exact at any depth.\n"
+"vec3 hbil_view_vector(vec2 pixel) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return -normalize(hbil_position(pixel, 1.0));\n"
+"#else\n"
+"    return vec3(0.0, 0.0, -1.0);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_common_hbil_finite[] =
+"// Radiance that can do no harm: NaN and negative become 0, infinity and fireflies the maximum.\n"
+"vec3 hbil_finite(vec3 radiance) {\n"
+"    return mix(vec3(0.0), min(radiance, vec3(HBIL_RADIANCE_MAX)), greaterThan(radiance, vec3(0.0)));\n"
+"}\n";
+static const char hbil__glsl_common_hbil_encode_normal[] =
+"// Octahedral map of a unit vector, 2 x snorm16. Error below 5e-5 rad. Meyer 2010\n"
+"uint hbil_encode_normal(vec3 n) {\n"
+"    vec2 o = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));\n"
+"    vec2 fold = (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));\n"
+"    return packSnorm2x16(n.z > 0.0 ? fold : o);\n"
+"}\n";
+static const char hbil__glsl_common_hbil_decode_normal[] =
+"vec3 hbil_decode_normal(uint code) {\n"
+"    vec2 o = unpackSnorm2x16(code);\n"
+"    vec3 n = vec3(o, abs(o.x) + abs(o.y) - 1.0);\n"
+"    float fold = max(n.z, 0.0);\n"
+"    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));\n"
+"    return normalize(n);\n"
+"}\n";
+static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
+"float hbil_load_raw_depth(ivec2 p) {\n"
+"    return texelFetch(u_depth, p, 0).r;\n"
+"}\n";
+static const char hbil__glsl_prepare_hbil_view_depth[] =
+"// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any\n"
+"// arithmetic could round it, and is written so that NaN is sky too.\n"
+"float hbil_view_depth(ivec2 p) {\n"
+"    float raw = hbil_load_raw_depth(p);\n"
+"#if HBIL_DEPTH_LINEAR\n"
+"    float z = raw;\n"
+"    bool surface = raw < HBIL_SKY_DEPTH;\n"
+"#else\n"
+"#if HBIL_DEPTH_DIRECTION_REVERSED\n"
+"    float d = raw;\n"
+"#else\n"
+"    float d = 1.0 - raw;\n"
+"#endif\n"
+"    bool surface = d > 0.0;\n"
+"#if HBIL_PROJECTION_ORTHOGRAPHIC\n"
+"    float z = d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y;\n"
+"#elif HBIL_DEPTH_FAR_INFINITE\n"
+"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x);\n"
+"#else\n"
+"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y);\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return surface && z > 0.0 && z < HBIL_SKY ? z : HBIL_SKY;\n"
+"#else\n"
+"    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_prepare_hbil_load_normal[] =
+"#if !HBIL_NORMALS_DEPTH\n"
+"vec3 hbil_load_normal(ivec2 p) {\n"
+"    return texelFetch(u_normal, p, 0).xyz;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_prepare_hbil_neighbour[] =
+"// The quantity that is linear on the screen for every plane: 1/depth, or depth itself without perspective.\n"
+"// -1e30 outside the screen and on the sky.\n"
+"float hbil_neighbour(ivec2 p) {\n"
+"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;\n"
+"    float z = hbil_view_depth(p);\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return z < HBIL_SKY ? 1.0 / z : -1e30;\n"
+"#else\n"
+"    return z < HBIL_SKY ? z : -1e30;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_prepare_hbil_tangent[] =
+"// Surface tangent along one screen axis: towards the side whose two pixels lie straighter in line with this one, so\n"
+"// that a silhouette or a crease beside the pixel is not averaged in.\n"
+"vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    float here = 1.0 / z;\n"
+"#else\n"
+"    float here = z;\n"
+"#endif\n"
+"    float left = hbil_neighbour(p - axis);\n"
+"    float right = hbil_neighbour(p + axis);\n"
+"    float bend_left = abs(2.0 * left - hbil_neighbour(p - 2 * axis) - here);\n"
+"    float bend_right = abs(2.0 * right - hbil_neighbour(p + 2 * axis) - here);\n"
+"    bool lost_left = left < -1e29;\n"
+"    bool lost_right = right < -1e29;\n"
+"    float side = lost_right || (!lost_left && bend_left < bend_right) ? -1.0 : 1.0;\n"
+"    float there = side < 0.0 ? left : right;\n"
+"    if (lost_left && lost_right) there = here;\n"
+"    vec2 q = vec2(p) + 0.5 + side * vec2(axis);\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return side * (hbil_position(q, 1.0 / there) - hbil_position(vec2(p) + 0.5, z));\n"
+"#else\n"
+"    return side * (hbil_position(q, there) - hbil_position(vec2(p) + 0.5, z));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_prepare_hbil_view_normal[] =
+"// Unit normal in view space, z into the screen. A normal that is zero, infinite or NaN is replaced by the view vector.\n"
+"vec3 hbil_view_normal(ivec2 p, float z) {\n"
+"    vec3 v = hbil_view_vector(vec2(p) + 0.5);\n"
+"#if HBIL_NORMALS_DEPTH\n"
+"    vec3 n = cross(hbil_tangent(p, ivec2(1, 0), z), hbil_tangent(p, ivec2(0, 1), z));\n"
+"    n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));\n"
+"    n = dot(n, v) < 0.0 ? -n : n;\n"
+"#elif HBIL_NORMALS_WORLD\n"
+"    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_normal(p);\n"
+"#else\n"
+"    vec3 n = hbil_load_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"#endif\n"
+"    float l2 = dot(n, n);\n"
+"    return l2 > 1e-12 && l2 < 1e12 ? n * inversesqrt(l2) : v;\n"
+"}\n";
+static const char hbil__glsl_prepare_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_view_depth(p);\n"
+"    imageStore(u_view_depth, p, vec4(z));\n"
+"    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));\n"
+"}\n";
+static const char hbil__glsl_march_HBIL_PI[] =
+"const float HBIL_PI = 3.141592654;\n";
+static const char hbil__glsl_march_hbil_load_depth[] =
+"float hbil_load_depth(ivec2 p) {\n"
+"    return texelFetch(u_view_depth, p, 0).r;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_load_normal[] =
+"vec3 hbil_load_normal(ivec2 p) {\n"
+"    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);\n"
+"}\n";
+static const char hbil__glsl_march_hbil_load_radiance[] =
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"vec3 hbil_load_radiance(ivec2 p) {\n"
+"    return hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_hilbert[] =
+"// Index of a pixel along a Hilbert curve that fills a 64 x 64 tile: neighbours on screen stay close in the sequence.\n"
+"uint hbil_hilbert(uvec2 p) {\n"
+"    uint index = 0u;\n"
+"    for (uint side = 32u; side > 0u; side >>= 1) {\n"
+"        uvec2 r = uvec2((p.x & side) != 0u ? 1u : 0u, (p.y & side) != 0u ? 1u : 0u);\n"
+"        index += side * side * ((3u * r.x) ^ r.y);\n"
+"        if (r.y == 0u) {\n"
+"            if (r.x == 1u) p = uvec2(63u) - p;\n"
+"            p = p.yx;\n"
+"        }\n"
+"    }\n"
+"    return index;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_gradient[] =
+"// Interleaved gradient noise in [0, 1). Jimenez 2014\n"
+"float hbil_gradient(vec2 p) {\n"
+"    return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));\n"
+"}\n";
+static const char hbil__glsl_march_hbil_noise[] =
+"// x rotates the slices, y jitters the steps. [0, 1)\n"
+"vec2 hbil_noise(ivec2 p) {\n"
+"#if HBIL_NOISE_HILBERT_R2\n"
+"    // R2 sequence in 32-bit fixed point: exact, the same on every device, for any frame number. Roberts 2018\n"
+"    uint index = hbil_hilbert(uvec2(p) & 63u) + 288u * HBIL_FRAME_INDEX;\n"
+"    uvec2 r2 = uvec2(3242174889u, 2447445414u) * index + 2147483648u;\n"
+"    return vec2(r2 >> 8) / 16777216.0;\n"
+"#elif HBIL_NOISE_IGN\n"
+"    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);\n"
+"    return vec2(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)));\n"
+"#else\n"
+"    return vec2(0.5);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_arc[] =
+"// G(c) = acos(c) - c sqrt(1 - c c): twice the integral of sin^2 from the view vector to the horizon, c in [-1, 1].\n"
+"// Error 8e-5, monotone, so that no increment below is negative.\n"
+"float hbil_arc(float c) {\n"
+"    float a = abs(c);\n"
+"    float g = (1.0 - a) * sqrt(1.0 - a) * (1.570796327 + a * (0.354230314 - 0.042259066 * a));\n"
+"    return c < 0.0 ? HBIL_PI - g : g;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_offset[] =
+"// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, 1 at t = 0\n"
+"float hbil_offset(float t, float reach_px) {\n"
+"#if HBIL_SPACING_GEOMETRIC\n"
+"    return exp2(t * log2(max(reach_px, 1.0)));\n"
+"#elif HBIL_EXPONENT_1\n"
+"    return 1.0 + t * (reach_px - 1.0);\n"
+"#elif HBIL_EXPONENT_2\n"
+"    return 1.0 + t * t * (reach_px - 1.0);\n"
+"#else\n"
+"    return 1.0 + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - 1.0);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_border[] =
+"// Pixels from p along the unit direction d until the screen ends.\n"
+"float hbil_border(ivec2 p, vec2 d) {\n"
+"    vec2 room = mix(vec2(p), vec2(HBIL_SIZE - 1 - p), greaterThan(d, vec2(0.0))) + 0.5;\n"
+"    vec2 t = room / max(abs(d), vec2(1e-6));\n"
+"    return min(t.x, t.y);\n"
+"}\n";
+static const char hbil__glsl_march_hbil_reach[] =
+"// Pixels along the slice direction D in which the sphere of radius HBIL_REACH around the point shows: the tangent to\n"
+"// it from the eye, in the slice. The whole screen if the eye is inside.\n"
+"float hbil_reach(vec3 position, vec3 v, vec3 slice) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    float s = min(HBIL_REACH * inversesqrt(dot(position, position)), 1.0);\n"
+"    vec3 edge = slice * s - v * sqrt(1.0 - s * s);\n"
+"    if (s >= 1.0 || edge.z <= 1e-4) return 1e6;\n"
+"    return length((edge.xy / edge.z - position.xy / position.z) / HBIL_PIXEL_TO_RAY.xy);\n"
+"#else\n"
+"    return length(HBIL_REACH * slice.xy / HBIL_PIXEL_TO_RAY.xy);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_receiver[] =
+"// What the samples of a pixel have in common.\n"
+"struct hbil_receiver {\n"
+"    ivec2 pixel;\n"
+"    vec3 position; // pulled towards the camera\n"
+"    vec3 v;        // to the eye\n"
+"    vec3 n;        // n.v >= 0.05\n"
+"    float ny;      // n.v, the same in every slice\n"
+"};\n";
+static const char hbil__glsl_march_hbil_receive[] =
+"// A shading normal may face away from the eye (interpolated, bumped): it is bent back until it does not, since the\n"
+"// horizons of a slice then lie on both sides of V, which all closed forms below rely on.\n"
+"hbil_receiver hbil_receive(ivec2 p, float z) {\n"
+"    hbil_receiver r;\n"
+"    r.pixel = p;\n"
+"    r.position = hbil_position(vec2(p) + 0.5, z - HBIL_PULL * abs(z));\n"
+"    r.v = hbil_view_vector(vec2(p) + 0.5);\n"
+"    r.n = hbil_load_normal(p);\n"
+"    r.ny = dot(r.n, r.v);\n"
+"    if (r.ny < 0.05) {\n"
+"        r.n = normalize(r.n + (0.05 - r.ny) * r.v);\n"
+"        r.ny = dot(r.n, r.v);\n"
+"    }\n"
+"    return r;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_horizon[] =
+"// Highest horizon on one side of a slice. d: unit direction on the screen, reach_px: pixels to search, nx: normal along\n"
+"// this side, c: horizon of the tangent plane, where the search starts. Each rise adds the light of the arc that the\n"
+"// sample fills.\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c, inout vec3 near) {\n"
+"    float g = hbil_arc(c);\n"
+"#else\n"
+"float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c) {\n"
+"#endif\n"
+"#if !HBIL_REACH_0\n"
+"    float c_tangent = c;\n"
+"#endif\n"
+"    float offset = 0.0;\n"
+"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
+"        // never the receiver's own pixel, never one pixel twice\n"
+"        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + 1.0);\n"
+"        ivec2 q = r.pixel + ivec2(floor(offset * d + 0.5));\n"
+"        if (offset > reach_px || any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;\n"
+"        float z = hbil_load_depth(q);\n"
+"        if (z >= HBIL_SKY) continue;\n"
+"        vec3 h = hbil_position(vec2(q) + 0.5, z) - r.position;\n"
+"        float l2 = max(dot(h, h), 1e-30);\n"
+"        float inv = inversesqrt(l2);\n"
+"        // at silhouettes h is nearly parallel to v and rounding takes the cosine above 1\n"
+"        float c_sample = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
+"#if !HBIL_REACH_0\n"
+"        // fade the horizon, not its weight: near + ao stays 1\n"
+"        float fade = clamp((1.0 - l2 * inv / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
+"        c_sample = mix(c_tangent, c_sample, fade);\n"
+"#endif\n"
+"        if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"            float g_sample = hbil_arc(c_sample);\n"
+"            float w = 0.5 * (nx * (g - g_sample) + r.ny * (c_sample - c) * (c_sample + c));\n"
+"            near += max(w, 0.0) * hbil_load_radiance(q);\n"
+"            g = g_sample;\n"
+"#endif\n"
+"            c = c_sample;\n"
+"        }\n"
+"    }\n"
+"    return c;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_bent[] =
+"// Cosine-weighted bent vector of a slice with horizons cf, cb: x along D, y along V.\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"vec2 hbil_bent(float nx, float ny, float cf, float cb) {\n"
+"    float sf2 = max(1.0 - cf * cf, 0.0);\n"
+"    float sb2 = max(1.0 - cb * cb, 0.0);\n"
+"    float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);\n"
+"    float c3 = cf * cf * cf + cb * cb * cb;\n"
+"    return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_lighting[] =
+"// Sums over the slices: the light that reaches the pixel from an open sky, the part that is blocked, the light that\n"
+"// comes from the blockers instead, the bent vector.\n"
+"struct hbil_lighting {\n"
+"    float full;\n"
+"    float blocked;\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"    vec3 near;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"    vec3 bent;\n"
+"#endif\n"
+"};\n";
+static const char hbil__glsl_march_hbil_slice[] =
+"// Add the slice with tangent D and screen direction d.\n"
+"void hbil_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_lighting sum) {\n"
+"    float nx = dot(r.n, slice);\n"
+"    float q = inversesqrt(nx * nx + r.ny * r.ny);\n"
+"    float cb0 = clamp(nx * q, -1.0, 1.0); // back horizon of the tangent plane; the front one is its negative\n"
+"    float g0 = hbil_arc(-cb0);\n"
+"    float front_px = hbil_border(r.pixel, d);\n"
+"    float back_px = hbil_border(r.pixel, -d);\n"
+"#if !HBIL_REACH_0\n"
+"    front_px = min(front_px, hbil_reach(r.position, r.v, slice));\n"
+"    back_px = min(back_px, hbil_reach(r.position, r.v, -slice));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"    float cf = hbil_horizon(r, d, front_px, jitter, nx, -cb0, sum.near);\n"
+"    float cb = hbil_horizon(r, -d, back_px, jitter, -nx, cb0, sum.near);\n"
+"#else\n"
+"    float cf = hbil_horizon(r, d, front_px, jitter, nx, -cb0);\n"
+"    float cb = hbil_horizon(r, -d, back_px, jitter, -nx, cb0);\n"
+"#endif\n"
+"    sum.full += nx * (g0 - 0.5 * HBIL_PI) + r.ny * r.ny * r.ny * q * q;\n"
+"    sum.blocked += 0.5 * (nx * (2.0 * g0 - HBIL_PI - hbil_arc(cf) + hbil_arc(cb))\n"
+"        + r.ny * (cf * cf + cb * cb - 2.0 * cb0 * cb0));\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"    vec2 b = hbil_bent(nx, r.ny, cf, cb);\n"
+"    sum.bent += b.x * slice + b.y * r.v;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_march[] =
+"// All slices of a pixel.\n"
+"hbil_lighting hbil_march(ivec2 p, float z) {\n"
+"    hbil_lighting sum;\n"
+"    sum.full = 0.0;\n"
+"    sum.blocked = 0.0;\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"    sum.near = vec3(0.0);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"    sum.bent = vec3(0.0);\n"
+"#endif\n"
+"    hbil_receiver r = hbil_receive(p, z);\n"
+"    vec2 noise = hbil_noise(p);\n"
+"#if !HBIL_SEED_COMPAT_SCREEN_AZIMUTH\n"
+"    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre get the\n"
+"    // wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear in D.\n"
+"    float a = 1.0 / (1.0 - r.v.z);\n"
+"    vec3 e1 = vec3(1.0 - r.v.x * r.v.x * a, -r.v.x * r.v.y * a, r.v.x);\n"
+"    vec3 e2 = vec3(r.v.x * r.v.y * a, r.v.y * r.v.y * a - 1.0, -r.v.y);\n"
+"    vec2 k1 = (r.v.xy * e1.z - e1.xy * r.v.z) / HBIL_PIXEL_TO_RAY.xy;\n"
+"    vec2 k2 = (r.v.xy * e2.z - e2.xy * r.v.z) / HBIL_PIXEL_TO_RAY.xy;\n"
+"#endif\n"
+"    for (int i = 0; i < HBIL_SLICES; ++i) {\n"
+"        float phi = (float(i) + noise.x) * HBIL_PI / float(HBIL_SLICES);\n"
+"        vec2 turn = vec2(cos(phi), sin(phi));\n"
+"#if HBIL_SEED_COMPAT_SCREEN_AZIMUTH\n"
+"        vec3 slice = normalize(vec3(turn, 0.0) - dot(turn, r.v.xy) * r.v);\n"
+"        vec2 d = normalize(turn / HBIL_PIXEL_TO_RAY.xy);\n"
+"#else\n"
+"        vec3 slice = turn.x * e1 + turn.y * e2;\n"
+"        vec2 d = normalize(turn.x * k1 + turn.y * k2);\n"
+"#endif\n"
+"        hbil_slice(r, slice, d, noise.y, sum);\n"
+"    }\n"
+"    return sum;\n"
+"}\n";
+static const char hbil__glsl_march_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float ao = 1.0;\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"    vec3 near = vec3(0.0);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"    vec3 bent = vec3(0.0);\n"
+"#endif\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z < HBIL_SKY) {\n"
+"        hbil_lighting sum = hbil_march(p, z);\n"
+"#if HBIL_SEED_COMPAT_SLICE_MEAN\n"
+"        float scale = 1.0 / float(HBIL_SLICES);\n"
+"        ao = (sum.full - sum.blocked) * scale;\n"
+"#else\n"
+"        // ratio: what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
+"        float scale = 1.0 / max(sum.full, sum.blocked);\n"
+"        ao = 1.0 - max(sum.blocked, 0.0) * scale;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"        near = sum.near * scale;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"        bent = sum.bent * scale * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"#endif\n"
+"    }\n"
+"#if HBIL_OUTPUTS_AO\n"
+"    imageStore(u_ao, p, vec4(ao));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"    imageStore(u_near, p, vec4(near, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_BENT\n"
+"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_composite_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);\n"
+"    vec3 albedo = min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
+"    imageStore(u_composite, p, vec4(direct + albedo * texelFetch(u_near, p, 0).rgb, 1.0));\n"
+"}\n";
+static const struct { const char *name, *file, *text; } hbil__chunks[] = {
+    { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
+    { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
+    { "hbil_position", "common", hbil__glsl_common_hbil_position },
+    { "hbil_view_vector", "common", hbil__glsl_common_hbil_view_vector },
+    { "hbil_finite", "common", hbil__glsl_common_hbil_finite },
+    { "hbil_encode_normal", "common", hbil__glsl_common_hbil_encode_normal },
+    { "hbil_decode_normal", "common", hbil__glsl_common_hbil_decode_normal },
+    { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
+    { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
+    { "hbil_load_normal", "prepare", hbil__glsl_prepare_hbil_load_normal },
+    { "hbil_neighbour", "prepare", hbil__glsl_prepare_hbil_neighbour },
+    { "hbil_tangent", "prepare", hbil__glsl_prepare_hbil_tangent },
+    { "hbil_view_normal", "prepare", hbil__glsl_prepare_hbil_view_normal },
+    { "main", "prepare", hbil__glsl_prepare_main },
+    { "HBIL_PI", "march", hbil__glsl_march_HBIL_PI },
+    { "hbil_load_depth", "march", hbil__glsl_march_hbil_load_depth },
+    { "hbil_load_normal", "march", hbil__glsl_march_hbil_load_normal },
+    { "hbil_load_radiance", "march", hbil__glsl_march_hbil_load_radiance },
+    { "hbil_hilbert", "march", hbil__glsl_march_hbil_hilbert },
+    { "hbil_gradient", "march", hbil__glsl_march_hbil_gradient },
+    { "hbil_noise", "march", hbil__glsl_march_hbil_noise },
+    { "hbil_arc", "march", hbil__glsl_march_hbil_arc },
+    { "hbil_offset", "march", hbil__glsl_march_hbil_offset },
+    { "hbil_border", "march", hbil__glsl_march_hbil_border },
+    { "hbil_reach", "march", hbil__glsl_march_hbil_reach },
+    { "hbil_receiver", "march", hbil__glsl_march_hbil_receiver },
+    { "hbil_receive", "march", hbil__glsl_march_hbil_receive },
+    { "hbil_horizon", "march", hbil__glsl_march_hbil_horizon },
+    { "hbil_bent", "march", hbil__glsl_march_hbil_bent },
+    { "hbil_lighting", "march", hbil__glsl_march_hbil_lighting },
+    { "hbil_slice", "march", hbil__glsl_march_hbil_slice },
+    { "hbil_march", "march", hbil__glsl_march_hbil_march },
+    { "main", "march", hbil__glsl_march_main },
+    { "main", "composite", hbil__glsl_composite_main },
+};
+/* >>gen glsl */
+
+/* ======================================================================
+ * >>sink       bounded text: counts on at the limit and writes nothing more
+ * ====================================================================== */
+
+typedef struct hbil__sink { char *buf; size_t cap, size; } hbil__sink;
+
+static hbil__sink hbil__sink_open(char *buf, size_t cap)
+{
+    hbil__sink s;
+    s.buf = buf;
+    s.cap = buf ? cap : 0;
+    s.size = 0;
+    return s;
+}
+
+static void hbil__put(hbil__sink *s, const char *text, size_t len)
+{
+    size_t room = s->size < s->cap ? s->cap - s->size - 1 : 0; /* one byte stays for the terminator */
+    if (room) memcpy(s->buf + s->size, text, len < room ? len : room);
+    s->size += len;
+}
+
+static void hbil__puts(hbil__sink *s, const char *text) { hbil__put(s, text, strlen(text)); }
+
+static void hbil__put_upper(hbil__sink *s, const char *text)
+{
+    for (; *text; ++text) {
+        char c = *text >= 'a' && *text <= 'z' ? (char)(*text - 'a' + 'A') : *text;
+        hbil__put(s, &c, 1);
+    }
+}
+
+static void hbil__put_int(hbil__sink *s, int64_t v)
+{
+    char digits[24];
+    int  n = 24;
+    uint64_t u = v < 0 ? (uint64_t)0 - (uint64_t)v : (uint64_t)v;
+    do digits[--n] = (char)('0' + u % 10); while (u /= 10);
+    if (v < 0) digits[--n] = '-';
+    hbil__put(s, digits + n, (size_t)(24 - n));
+}
+
+static void hbil__put_hex(hbil__sink *s, uint64_t v)
+{
+    int i;
+    for (i = 60; i >= 0; i -= 4) hbil__put(s, &"0123456789abcdef"[v >> i & 15], 1);
+}
+
+static double hbil__power10(int n) /* n in [-22, 22]; exact for n >= 0 */
+{
+    double p = 1;
+    int i;
+    for (i = 0; i < (n < 0 ? -n : n); ++i) p *= 10;
+    return n < 0 ? 1 / p : p;
+}
+
+/* Shortest decimal that reads back as the same float: no exponent, '.' under any locale. |v| in [1e-9, 1e16] or 0.
+ * point: "2.0" instead of "2", as GLSL wants it. */
+static void hbil__put_float(hbil__sink *s, float v, int point)
+{
+    double a = v < 0 ? -(double)v : (double)v;
+    int e = 0, n, i;
+    uint64_t m = 0;
+    char digits[24];
+    if (!(a > 0)) { hbil__puts(s, point ? "0.0" : "0"); return; }
+    if (v < 0) hbil__puts(s, "-");
+    while (e < 20 && a >= hbil__power10(e + 1)) ++e;
+    while (e > -20 && a < hbil__power10(e)) --e;
+    for (n = 1; n <= 9; ++n) { /* n significant digits; nine always suffice for a float */
+        int k = n - 1 - e;
+        m = (uint64_t)(k >= 0 ? a * hbil__power10(k) + 0.5 : a / hbil__power10(-k) + 0.5);
+        if ((float)(k >= 0 ? (double)m / hbil__power10(k) : (double)m * hbil__power10(-k)) == (float)a) break;
+    }
+    if (n > 9) n = 9;
+    if (m >= (uint64_t)hbil__power10(n)) { m /= 10; ++e; } /* 9.99 rounded up to 10.0 */
+    for (i = n; i-- > 0; m /= 10) digits[i] = (char)('0' + m % 10);
+    if (e < 0) {
+        hbil__puts(s, "0.");
+        for (i = -1; i > e; --i) hbil__puts(s, "0");
+        hbil__put(s, digits, (size_t)n);
+        return;
+    }
+    for (i = 0; i < n || i <= e; ++i) {
+        if (i == e + 1) hbil__puts(s, ".");
+        hbil__put(s, i < n ? digits + i : "0", 1);
+    }
+    if (point && n <= e + 1) hbil__puts(s, ".0");
+}
+
+static hbil_result hbil__sink_close(hbil__sink *s, size_t *need)
+{
+    if (s->cap) s->buf[s->size < s->cap ? s->size : s->cap - 1] = 0;
+    if (need) *need = s->size + 1;
+    return s->size < s->cap ? HBIL_OK : HBIL_E_SPACE;
+}
+
+/* ======================================================================
+ * >>words      words of blank-separated lists, option lookup, diagnostics
+ * ====================================================================== */
+
+static int hbil__same(const char *word, const char *s, size_t len)
+{
+    return strlen(word) == len && memcmp(word, s, len) == 0;
+}
+
+/* index-th blank-separated word of a list; 0: there is none */
+static int hbil__word_at(const char *list, int index, const char **word, size_t *len)
+{
+    for (; *list; list += *len, list += *list == ' ') {
+        *word = list;
+        for (*len = 0; list[*len] && list[*len] != ' '; ++*len) { }
+        if (index-- == 0) return 1;
+    }
+    return 0;
+}
+
+static int hbil__word_find(const char *list, const char *s, size_t len)
+{
+    const char *w;
+    size_t n;
+    int i;
+    for (i = 0; hbil__word_at(list, i, &w, &n); ++i)
+        if (n == len && memcmp(w, s, len) == 0) return i;
+    return -1;
+}
+
+/* Edits between two names (Levenshtein); names are below 32 bytes, longer ones count as far away. */
+static int hbil__distance(const char *a, const char *b, size_t blen)
+{
+    int row[33], i, j, diagonal, up, an = (int)strlen(a), bn = (int)blen;
+    if (an > 32 || blen > 32) return 99;
+    for (j = 0; j <= bn; ++j) row[j] = j;
+    for (i = 1; i <= an; ++i) {
+        diagonal = row[0];
+        row[0] = i;
+        for (j = 1; j <= bn; ++j) {
+            int best = diagonal + (a[i - 1] != b[j - 1]);
+            up = row[j];
+            if (up + 1 < best) best = up + 1;
+            if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
+            diagonal = up;
+            row[j] = best;
+        }
+    }
+    return row[bn];
+}
+
+/* Start a finding; NULL where it only counts. The text goes to the sink, which hbil__report_end closes. */
+static hbil_diag *hbil__report(hbil_diags *diags, hbil_severity severity, int32_t option, hbil__sink *s)
+{
+    hbil_diag *d = NULL;
+    *s = hbil__sink_open(NULL, 0);
+    if (!diags) return NULL;
+    if (diags->count >= 0 && diags->count < diags->capacity && diags->items) {
+        d = &diags->items[diags->count];
+        d->severity = severity;
+        d->option = option;
+        *s = hbil__sink_open(d->text, sizeof d->text);
+    }
+    ++diags->count;
+    return d;
+}
+
+static void hbil__say(hbil_diags *diags, hbil_severity severity, int32_t option, const char *a, const char *b)
+{
+    hbil__sink s;
+    hbil__report(diags, severity, option, &s);
+    hbil__puts(&s, a);
+    hbil__puts(&s, b);
+    hbil__sink_close(&s, NULL);
+}
+
+/* "[1, 64]", "{vulkan, gl}" or "any of {ao, near}" */
+static void hbil__put_range(hbil__sink *s, const hbil_option *o)
+{
+    const char *w;
+    size_t n;
+    int i;
+    if (o->kind == HBIL_KIND_INT || o->kind == HBIL_KIND_FLOAT) {
+        hbil__puts(s, "[");
+        hbil__put_float(s, (float)o->min, 0);
+        hbil__puts(s, ", ");
+        hbil__put_float(s, (float)o->max, 0);
+        hbil__puts(s, "]");
+        return;
+    }
+    hbil__puts(s, o->kind == HBIL_KIND_SET ? "any of {" : "one of {");
+    for (i = 0; hbil__word_at(o->choices, i, &w, &n); ++i) {
+        if (i) hbil__puts(s, ", ");
+        hbil__put(s, w, n);
+    }
+    hbil__puts(s, "}");
+}
+
+/* "slices=99: must be in [1, 64]" */
+static void hbil__say_range(hbil_diags *diags, const char *where, int32_t option, const char *value, size_t len)
+{
+    const hbil_option *o = &hbil__options[option];
+    hbil__sink s;
+    hbil__report(diags, HBIL_ERROR, option, &s);
+    hbil__puts(&s, where);
+    hbil__puts(&s, o->name);
+    hbil__puts(&s, "=");
+    hbil__put(&s, value, len < 24 ? len : 24);
+    hbil__puts(&s, o->kind == HBIL_KIND_INT || o->kind == HBIL_KIND_FLOAT ? ": must be in " : ": must be ");
+    hbil__put_range(&s, o);
+    hbil__sink_close(&s, NULL);
+}
+
+/* ======================================================================
+ * >>config     values as bits, text in, text out, resolve, hash
+ * ====================================================================== */
+
+typedef union hbil__value { int32_t i; uint32_t u; float f; } hbil__value;
+
+static hbil__value hbil__get(const hbil_config *c, int32_t option)
+{
+    hbil__value v;
+    memcpy(&v, (const char *)c + hbil__options[option].offset, sizeof v);
+    return v;
+}
+
+static void hbil__set(hbil_config *c, int32_t option, hbil__value v)
+{
+    memcpy((char *)c + hbil__options[option].offset, &v, sizeof v);
+}
+
+static hbil__value hbil__default(int32_t option)
+{
+    const hbil_option *o = &hbil__options[option];
+    hbil__value v;
+    if (o->kind == HBIL_KIND_FLOAT) v.f = (float)o->def;
+    else if (o->kind == HBIL_KIND_SET) v.u = (uint32_t)o->def;
+    else v.i = (int32_t)o->def;
+    return v;
+}
+
+static int hbil__in_range(int32_t option, hbil__value v)
+{
+    const hbil_option *o = &hbil__options[option];
+    if (v.u == hbil__default(option).u) return 1;
+    if (o->kind == HBIL_KIND_FLOAT) return v.f >= (float)o->min && v.f <= (float)o->max;
+    if (o->kind == HBIL_KIND_SET) return v.u != 0 && (v.u & ~(uint32_t)o->max) == 0;
+    return v.i >= (int32_t)o->min && v.i <= (int32_t)o->max;
+}
+
+static void hbil__put_value(hbil__sink *s, int32_t option, hbil__value v)
+{
+    const hbil_option *o = &hbil__options[option];
+    const char *w;
+    size_t n;
+    int i, some = 0;
+    if (o->kind == HBIL_KIND_FLOAT) { hbil__put_float(s, v.f, 0); return; }
+    if (o->kind == HBIL_KIND_INT || (o->kind == HBIL_KIND_CHOICE && !hbil__word_at(o->choices, v.i - 1, &w, &n))) {
+        hbil__put_int(s, v.i);
+        return;
+    }
+    if (o->kind == HBIL_KIND_CHOICE) { hbil__put(s, w, n); return; }
+    for (i = 0; i < 32 && hbil__word_at(o->choices, i, &w, &n); ++i) {
+        if (!(v.u >> i & 1)) continue;
+        if (some++) hbil__puts(s, "+");
+        hbil__put(s, w, n);
+    }
+    if (!some) hbil__puts(s, "none");
+}
+
+static void hbil__put_config(hbil__sink *s, const hbil_config *c, int all, const char *separator)
+{
+    int32_t i, some = 0;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        hbil__value v = hbil__get(c, i), def = hbil__default(i);
+        if (v.u == 0) v = def;
+        if (!all && v.u == def.u) continue;
+        if (some++) hbil__puts(s, separator);
+        hbil__puts(s, hbil__options[i].name);
+        hbil__puts(s, "=");
+        hbil__put_value(s, i, v);
+    }
+}
+
+/* Decimal number, '.' under any locale, optional sign and exponent. Digits beyond 18 only shift the point. */
+static int hbil__read_number(const char *s, size_t len, double *out)
+{
+    size_t i = 0;
+    int negative = 0, digits = 0, shift = 0, point = 0;
+    uint64_t m = 0;
+    if (i < len && (s[i] == '-' || s[i] == '+')) negative = s[i++] == '-';
+    for (; i < len && ((s[i] >= '0' && s[i] <= '9') || (s[i] == '.' && !point)); ++i) {
+        if (s[i] == '.') { point = 1; continue; }
+        ++digits;
+        if (m < 100000000000000000u) { m = m * 10 + (uint64_t)(s[i] - '0'); shift -= point; }
+        else shift += !point;
+    }
+    if (!digits) return 0;
+    if (i < len && (s[i] == 'e' || s[i] == 'E')) {
+        int sign = 1, e = 0;
+        if (++i < len && (s[i] == '-' || s[i] == '+')) sign = s[i++] == '-' ? -1 : 1;
+        if (i == len) return 0;
+        for (; i < len && s[i] >= '0' && s[i] <= '9'; ++i) if (e < 1000) e = e * 10 + (s[i] - '0');
+        shift += sign * e;
+    }
+    if (i != len || shift > 22 || shift < -40) return 0;
+    *out = (double)m;
+    if (shift >= 0) *out *= hbil__power10(shift);
+    else if (shift >= -22) *out /= hbil__power10(-shift);
+    else *out = *out / hbil__power10(22) / hbil__power10(-shift - 22);
+    if (negative) *out = -*out;
+    return 1;
+}
+
+static int hbil__read_value(int32_t option, const char *s, size_t len, hbil__value *v)
+{
+    const hbil_option *o = &hbil__options[option];
+    double number;
+    int k;
+    if (hbil__same("default", s, len)) { v->u = 0; return 1; }
+    if (o->kind == HBIL_KIND_INT || o->kind == HBIL_KIND_FLOAT) {
+        if (!hbil__read_number(s, len, &number)) return 0;
+        if (o->kind == HBIL_KIND_FLOAT) {
+            v->f = (float)number;
+            if (!(number == 0) && v->f == 0) return 0; /* too small for a float: must not turn into the default */
+        } else {
+            if (!(number >= -2147483647.0 && number <= 2147483647.0) || number != (double)(int32_t)number) return 0;
+            v->i = (int32_t)number;
+        }
+        return hbil__in_range(option, *v);
+    }
+    if (o->kind == HBIL_KIND_CHOICE) return (v->i = hbil__word_find(o->choices, s, len) + 1) > 0;
+    if (hbil__same("none", s, len)) { v->u = 0; return o->def == 0; }
+    for (v->u = 0;; s += k + 1, len -= (size_t)k + 1) {
+        const char *plus = (const char *)memchr(s, '+', len);
+        int bit = hbil__word_find(o->choices, s, plus ? (size_t)(plus - s) : len);
+        if (bit < 0) return 0;
+        v->u |= 1u << bit;
+        if (!plus) return 1;
+        k = (int)(plus - s);
+    }
+}
+
+static hbil_result hbil__assign(hbil_config *c, const char *where, const char *name, size_t name_len, const char *value,
+                                size_t value_len, hbil_diags *diags)
+{
+    int32_t nearest, option = hbil_option_find(name, name_len, &nearest);
+    hbil__value v;
+    if (option < 0) {
+        hbil__sink s;
+        hbil__report(diags, HBIL_ERROR, -1, &s);
+        hbil__puts(&s, where);
+        hbil__put(&s, name, name_len < 32 ? name_len : 32);
+        hbil__puts(&s, ": no such option; did you mean ");
+        hbil__puts(&s, hbil__options[nearest].name);
+        hbil__puts(&s, "?");
+        hbil__sink_close(&s, NULL);
+        return HBIL_E_CONFIG;
+    }
+    if (!hbil__read_value(option, value, value_len, &v)) {
+        hbil__say_range(diags, where, option, value, value_len);
+        return HBIL_E_CONFIG;
+    }
+    hbil__set(c, option, v);
+    return HBIL_OK;
+}
+
+/* Cursor of hbil_config_parse; line counts from 1. */
+typedef struct hbil__reader { const char *s; size_t len, at; int32_t line; } hbil__reader;
+
+static int hbil__is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+static void hbil__skip_blanks(hbil__reader *r)
+{
+    while (r->at < r->len && hbil__is_blank(r->s[r->at])) ++r->at;
+}
+
+static void hbil__skip_separators(hbil__reader *r)
+{
+    for (; r->at < r->len; ++r->at) {
+        char c = r->s[r->at];
+        if (c == '#') while (r->at + 1 < r->len && r->s[r->at + 1] != '\n') ++r->at;
+        else if (c == '\n') ++r->line;
+        else if (!hbil__is_blank(c) && c != ',') return;
+    }
+}
+
+static size_t hbil__take_word(hbil__reader *r)
+{
+    size_t from = r->at;
+    while (r->at < r->len && !hbil__is_blank(r->s[r->at]) && !strchr("=,#\n", r->s[r->at])) ++r->at;
+    return r->at - from;
+}
+
+/* One name=value pair. */
+static hbil_result hbil__parse_pair(hbil__reader *r, hbil_config *c, hbil_diags *diags)
+{
+    char where[24];
+    const char *name = r->s + r->at, *value;
+    size_t name_len, value_len;
+    hbil__sink s = hbil__sink_open(where, sizeof where);
+    if (memchr(r->s, '\n', r->len)) {
+        hbil__puts(&s, "line ");
+        hbil__put_int(&s, r->line);
+        hbil__puts(&s, ": ");
+    }
+    hbil__sink_close(&s, NULL);
+    name_len = hbil__take_word(r);
+    hbil__skip_blanks(r);
+    if (r->at == r->len || r->s[r->at] != '=') {
+        if (!name_len && r->at < r->len) ++r->at; /* a zero byte: no loop without progress */
+        hbil__say(diags, HBIL_ERROR, -1, where, "expected name=value");
+        return HBIL_E_CONFIG;
+    }
+    ++r->at;
+    hbil__skip_blanks(r);
+    value = r->s + r->at;
+    value_len = hbil__take_word(r);
+    if (r->at < r->len && r->s[r->at] == '=') ++r->at; /* a=b=c: leave no loop without progress */
+    return hbil__assign(c, where, name, name_len, value, value_len, diags);
+}
+
+/* ======================================================================
+ * >>filter     #if over option symbols; lines taken; what they refer to
+ * ====================================================================== */
+
+/* HBIL_<OPTION>_<CHOICE, member or whole number>: 1 when that is the baked value. embed has checked that it exists. */
+static int hbil__symbol(const hbil_config *c, const char *s, size_t len)
+{
+    int32_t i;
+    char name[64];
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        const hbil_option *o = &hbil__options[i];
+        hbil__value v = hbil__get(c, i);
+        hbil__sink k = hbil__sink_open(name, sizeof name);
+        const char *w;
+        size_t n, head;
+        int j;
+        hbil__puts(&k, "HBIL_");
+        hbil__put_upper(&k, o->name);
+        hbil__puts(&k, "_");
+        head = k.size;
+        if (len <= head || memcmp(name, s, head)) continue;
+        if (o->kind == HBIL_KIND_INT || o->kind == HBIL_KIND_FLOAT) {
+            double number;
+            if (!hbil__read_number(s + head, len - head, &number)) continue;
+            return !(c->dynamic & o->dynamic) && (o->kind == HBIL_KIND_INT ? (double)v.i : (double)v.f) == number;
+        }
+        for (j = 0; hbil__word_at(o->choices, j, &w, &n); ++j) {
+            size_t m;
+            if (n != len - head) continue;
+            for (m = 0; m < n; ++m)
+                if ((w[m] >= 'a' && w[m] <= 'z' ? w[m] - 'a' + 'A' : w[m]) != s[head + m]) break;
+            if (m == n) return o->kind == HBIL_KIND_SET ? (int)(v.u >> j & 1) : v.i == j + 1;
+        }
+    }
+    return 0;
+}
+
+/* Expression of symbols, 0, 1, !, &&, ||, ( ). At: cursor; level 0 is ||, 1 is &&, 2 is a term. */
+static int hbil__expression(const hbil_config *c, const char **at, int level)
+{
+    int value, right;
+    while (**at == ' ') ++*at;
+    if (level == 2) {
+        size_t n = 0;
+        if (**at == '!') { ++*at; return !hbil__expression(c, at, 2); }
+        if (**at == '(') {
+            ++*at;
+            value = hbil__expression(c, at, 0);
+            while (**at == ' ' || **at == ')') if (*(*at)++ == ')') break;
+            return value;
+        }
+        while (((*at)[n] >= '0' && (*at)[n] <= '9') || ((*at)[n] >= 'A' && (*at)[n] <= 'Z') || (*at)[n] == '_') ++n;
+        value = n == 1 ? **at == '1' : hbil__symbol(c, *at, n);
+        *at += n;
+        return value;
+    }
+    value = hbil__expression(c, at, level + 1);
+    for (;;) {
+        const char *s = *at;
+        while (*s == ' ') ++s;
+        if (memcmp(s, level == 0 ? "||" : "&&", 1) || s[0] != s[1]) return value;
+        *at = s + 2;
+        right = hbil__expression(c, at, level + 1);
+        value = level == 0 ? value | right : value & right;
+    }
+}
+
+static int hbil__holds(const hbil_config *c, const char *expression)
+{
+    return !*expression || hbil__expression(c, &expression, 0);
+}
+
+/* Walks the lines of a chunk that its #if lines let through. Bit d of taken/done: the branch at depth d is on / has been. */
+typedef struct hbil__lines { const hbil_config *config; const char *at; uint32_t taken, done; int depth; } hbil__lines;
+
+static hbil__lines hbil__lines_of(const hbil_config *c, const char *text)
+{
+    hbil__lines l;
+    l.config = c;
+    l.at = text;
+    l.taken = l.done = 1;
+    l.depth = 0;
+    return l;
+}
+
+static void hbil__directive(hbil__lines *l, const char *s)
+{
+    uint32_t bit, parent;
+    if (memcmp(s, "#if", 3) == 0) ++l->depth;
+    bit = 1u << l->depth;
+    parent = l->taken >> (l->depth - 1) & 1;
+    if (memcmp(s, "#endif", 6) == 0) { --l->depth; return; }
+    if (memcmp(s, "#if", 3) == 0) l->done &= ~bit;
+    l->taken &= ~bit;
+    if (parent && !(l->done & bit) &&
+        (memcmp(s, "#else", 5) == 0 || hbil__holds(l->config, s + (s[1] == 'e' ? 5 : 3)))) {
+        l->taken |= bit;
+        l->done |= bit;
+    }
+}
+
+/* Next line that is taken, without its line end; 0 at the end of the chunk. */
+static int hbil__next_line(hbil__lines *l, const char **line, size_t *len)
+{
+    while (*l->at) {
+        *line = l->at;
+        for (*len = 0; l->at[*len] != '\n'; ++*len) { }
+        l->at += *len + 1;
+        if (**line == '#') hbil__directive(l, *line);
+        else if (l->taken >> l->depth & 1) return 1;
+    }
+    return 0;
+}
+
+/* What the filtered text of a pass refers to: bits by table index. */
+typedef struct hbil__used { uint32_t chunks[8], textures, uniforms, options[2]; } hbil__used;
+
+static void hbil__mark(uint32_t *bits, int32_t i) { bits[i >> 5] |= 1u << (i & 31); }
+static int  hbil__marked(const uint32_t *bits, int32_t i) { return (int)(bits[i >> 5] >> (i & 31) & 1); }
+
+static void hbil__scan_chunk(const hbil_config *c, int32_t pass, int32_t chunk, hbil__used *used);
+
+static void hbil__scan_word(const hbil_config *c, int32_t pass, const char *s, size_t len, hbil__used *used)
+{
+    int32_t i;
+    char name[40];
+    hbil__sink k;
+    if (s[0] == 'u') {
+        for (i = 0; i < HBIL__COUNT(hbil__textures); ++i)
+            if (hbil__same(hbil__textures[i].name, s + 2, len - 2)) hbil__mark(&used->textures, i);
+        return;
+    }
+    for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
+        if (hbil__same(hbil__chunks[i].name, s, len) && (strcmp(hbil__chunks[i].file, "common") == 0 ||
+            strcmp(hbil__chunks[i].file, hbil__passes[pass].name) == 0)) {
+            hbil__scan_chunk(c, pass, i, used);
+            return;
+        }
+    for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i)
+        if (hbil__same(hbil__uniforms[i].name, s, len)) { hbil__mark(&used->uniforms, i); return; }
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        k = hbil__sink_open(name, sizeof name);
+        hbil__put_upper(&k, hbil__options[i].name);
+        if (k.size == len - 5 && memcmp(name, s + 5, len - 5) == 0) { hbil__mark(used->options, i); return; }
+    }
+}
+
+static int hbil__is_word(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+static void hbil__scan_chunk(const hbil_config *c, int32_t pass, int32_t chunk, hbil__used *used)
+{
+    hbil__lines l = hbil__lines_of(c, hbil__chunks[chunk].text);
+    const char *s;
+    size_t len, i, n;
+    if (hbil__marked(used->chunks, chunk)) return;
+    hbil__mark(used->chunks, chunk);
+    while (hbil__next_line(&l, &s, &len))
+        for (i = 0; i < len; i += n) {
+            if (s[i] == '/' && s[i + 1] == '/') break;
+            if (!hbil__is_word(s[i])) { n = 1; continue; }
+            for (n = 1; hbil__is_word(s[i + n]); ++n) { }
+            if ((n > 2 && s[i] == 'u' && s[i + 1] == '_') ||
+                (n > 5 && (memcmp(s + i, "hbil_", 5) == 0 || memcmp(s + i, "HBIL_", 5) == 0)))
+                hbil__scan_word(c, pass, s + i, n, used);
+        }
+}
+
+static void hbil__scan_pass(const hbil_config *c, int32_t pass, hbil__used *used)
+{
+    int32_t i;
+    memset(used, 0, sizeof *used);
+    for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
+        if (strcmp(hbil__chunks[i].name, "main") == 0 && strcmp(hbil__chunks[i].file, hbil__passes[pass].name) == 0)
+            hbil__scan_chunk(c, pass, i, used);
+}
+
+/* ======================================================================
+ * >>plan       config -> textures, passes, barriers, uniform block
+ * ====================================================================== */
+
+/* HBIL_SIZE is a literal when the config bakes the size. */
+static int hbil__size_baked(const hbil_config *c, int32_t uniform)
+{
+    return c->width && strcmp(hbil__uniforms[uniform].name, "HBIL_SIZE") == 0;
+}
+
+static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_t texture)
+{
+    hbil_texture *t;
+    int32_t i = hbil_plan_texture(p, hbil__textures[texture].name);
+    if (i >= 0) return i;
+    t = &p->textures[p->texture_count];
+    memcpy(t->name, hbil__textures[texture].name, strlen(hbil__textures[texture].name));
+    t->format = hbil__textures[texture].format;
+    t->life = hbil__textures[texture].life;
+    if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;
+    t->div = t->mips = t->copies = 1;
+    return (int32_t)p->texture_count++;
+}
+
+static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass, const hbil__used *used)
+{
+    hbil_pass *out = &p->passes[p->pass_count++];
+    uint16_t slots[3] = { 0, 0, 0 }; /* by access */
+    int32_t i;
+    memcpy(out->name, hbil__passes[pass].name, strlen(hbil__passes[pass].name));
+    out->group[0] = hbil__passes[pass].group[0];
+    out->group[1] = hbil__passes[pass].group[1];
+    for (i = 0; i < HBIL__COUNT(hbil__binds); ++i) {
+        hbil_binding *b = &out->bindings[out->binding_count];
+        if (hbil__binds[i].pass != pass || !hbil__marked(&used->textures, hbil__binds[i].texture)) continue;
+        b->texture = (uint16_t)hbil__plan_add_texture(p, c, hbil__binds[i].texture);
+        b->access = (uint8_t)hbil__binds[i].access;
+        /* GL has a name space of its own for textures, images and uniform blocks; Vulkan has one, block first */
+        b->slot = c->target == HBIL_TARGET_GL ? slots[b->access]++ : (uint16_t)(out->binding_count + 1);
+        ++out->binding_count;
+    }
+    out->domain = (uint16_t)hbil__plan_add_texture(p, c, hbil__passes[pass].domain);
+}
+
+static void hbil__plan_add_constant(hbil_plan *p, const char *name, uint16_t type, int32_t option)
+{
+    hbil_constant *k = &p->constants[p->constant_count++];
+    uint32_t align = hbil__types[type].align;
+    hbil__sink s = hbil__sink_open(k->name, sizeof k->name);
+    if (option >= 0) hbil__puts(&s, "HBIL_");
+    hbil__put_upper(&s, name);
+    hbil__sink_close(&s, NULL);
+    k->offset = (uint16_t)((p->constants_size + align - 1) / align * align);
+    k->type = type;
+    k->option = option;
+    p->constants_size = k->offset + (uint32_t)hbil__types[type].size;
+}
+
+static int hbil__is_dynamic(const hbil_config *c, int32_t option)
+{
+    return (c->dynamic & hbil__options[option].dynamic) != 0;
+}
+
+/* Does this pass read the uniform block? */
+static int hbil__reads_block(const hbil_config *c, const hbil__used *used)
+{
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i)
+        if (hbil__marked(&used->uniforms, i) && !hbil__size_baked(c, i)) return 1;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i)
+        if (hbil__marked(used->options, i) && hbil__is_dynamic(c, i)) return 1;
+    return 0;
+}
+
+/* One round of all passes over the state of each texture: bit 0 written and not yet visible to samplers, bit 1 sampled
+ * since, bit 2 written at all. */
+static void hbil__plan_barriers(hbil_plan *p, uint8_t state[HBIL_MAX_TEXTURES], int record)
+{
+    uint32_t i, b;
+    for (i = 0; i < p->pass_count; ++i) {
+        hbil_pass *pass = &p->passes[i];
+        for (b = 0; b < pass->binding_count; ++b) {
+            const hbil_binding *bind = &pass->bindings[b];
+            uint8_t *s = &state[bind->texture], before = 0;
+            if (bind->access == HBIL_ACCESS_SAMPLE) {
+                if (*s & 1) before = HBIL_ACCESS_WRITE;
+                *s = (uint8_t)((*s & ~1) | 2);
+            } else {
+                if (*s & 2) before = HBIL_ACCESS_SAMPLE;
+                else if (*s & 4) before = HBIL_ACCESS_WRITE;
+                *s = 1 | 4;
+            }
+            if (before && record) {
+                hbil_barrier *out = &pass->barriers[pass->barrier_count++];
+                out->texture = bind->texture;
+                out->before = before;
+                out->after = bind->access;
+            }
+        }
+    }
+}
+
+static void hbil__plan_all_barriers(hbil_plan *p)
+{
+    uint8_t state[HBIL_MAX_TEXTURES];
+    uint32_t t;
+    memset(state, 0, sizeof state);
+    hbil__plan_barriers(p, state, 0); /* the frame before, whose transients this one meets again */
+    for (t = 0; t < p->texture_count; ++t)
+        if (p->textures[t].life <= HBIL_LIFE_OUTPUT) state[t] = 0; /* yours between frames */
+    hbil__plan_barriers(p, state, 1);
+}
+
+/* ======================================================================
+ * >>emit       GLSL of one pass
+ * ====================================================================== */
+
+static void hbil__put_slot(hbil__sink *s, const hbil_plan *p, uint32_t slot)
+{
+    hbil__puts(s, p->config.target == HBIL_TARGET_GL ? "layout(binding = " : "layout(set = 0, binding = ");
+    hbil__put_int(s, slot);
+}
+
+static int32_t hbil__texture_row(const char *name)
+{
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(hbil__textures); ++i)
+        if (strcmp(hbil__textures[i].name, name) == 0) return i;
+    return 0;
+}
+
+static void hbil__put_bindings_comment(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass, hbil_access access)
+{
+    uint32_t b, some = 0;
+    for (b = 0; b < pass->binding_count; ++b) {
+        const hbil_texture *t = &p->textures[pass->bindings[b].texture];
+        if (pass->bindings[b].access != access) continue;
+        hbil__puts(s, some++ ? ", " : access == HBIL_ACCESS_SAMPLE ? "// reads    : " : "// writes   : ");
+        hbil__put_int(s, pass->bindings[b].slot);
+        hbil__puts(s, " u_");
+        hbil__puts(s, t->name);
+        hbil__puts(s, " (");
+        hbil__puts(s, hbil_format_name((hbil_format)t->format));
+        hbil__puts(s, ")");
+    }
+    if (some) hbil__puts(s, "\n");
+}
+
+static void hbil__put_group(hbil__sink *s, const hbil_pass *pass, const char *a, const char *b, const char *c)
+{
+    hbil__puts(s, a);
+    hbil__put_int(s, pass->group[0]);
+    hbil__puts(s, b);
+    hbil__put_int(s, pass->group[1]);
+    hbil__puts(s, c);
+}
+
+static void hbil__emit_header(hbil__sink *s, const hbil_plan *p, int32_t index, int32_t row)
+{
+    const hbil_pass *pass = &p->passes[index];
+    hbil__sink none = hbil__sink_open(NULL, 0);
+    hbil__puts(s, p->config.target == HBIL_TARGET_GL ? "#version 430 core\n// hbil " : "#version 450\n// hbil ");
+    hbil__put_int(s, HBIL_VERSION_MAJOR);
+    hbil__puts(s, ".");
+    hbil__put_int(s, HBIL_VERSION_MINOR);
+    hbil__puts(s, ".");
+    hbil__put_int(s, HBIL_VERSION_PATCH);
+    hbil__puts(s, " | pass ");
+    hbil__put_int(s, index + 1);
+    hbil__puts(s, "/");
+    hbil__put_int(s, p->pass_count);
+    hbil__puts(s, " \"");
+    hbil__puts(s, pass->name);
+    hbil__puts(s, "\" | GENERATED: change the config, not this text\n// ");
+    hbil__puts(s, hbil__passes[row].meaning);
+    hbil__puts(s, "\n// rebuild  : shadergen ");
+    hbil__put_config(&none, &p->config, 0, ",");
+    if (none.size) {
+        hbil__puts(s, "--set ");
+        hbil__put_config(s, &p->config, 0, ",");
+        hbil__puts(s, " ");
+    }
+    hbil__puts(s, "--pass ");
+    hbil__puts(s, pass->name);
+    hbil__puts(s, "\n");
+    hbil__put_bindings_comment(s, p, pass, HBIL_ACCESS_SAMPLE);
+    hbil__put_bindings_comment(s, p, pass, HBIL_ACCESS_WRITE);
+    if (pass->constants) {
+        hbil__puts(s, "// uniforms : ");
+        hbil__put_int(s, p->constants_slot);
+        hbil__puts(s, " HbilFrame (std140, ");
+        hbil__put_int(s, p->constants_size);
+        hbil__puts(s, " bytes)\n");
+    }
+    hbil__puts(s, "// dispatch : size of u_");
+    hbil__puts(s, p->textures[pass->domain].name);
+    hbil__put_group(s, pass, " / ", " x ", ", rounded up\n\n");
+    hbil__put_group(s, pass, "layout(local_size_x = ", ", local_size_y = ", ", local_size_z = 1) in;\n\n");
+}
+
+static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass)
+{
+    uint32_t b;
+    for (b = 0; b < pass->binding_count; ++b) {
+        const hbil_binding *bind = &pass->bindings[b];
+        const hbil_texture *t = &p->textures[bind->texture];
+        int is_uint = t->format == HBIL_FORMAT_R32UI;
+        hbil__put_slot(s, p, bind->slot);
+        if (bind->access == HBIL_ACCESS_SAMPLE) {
+            hbil__puts(s, is_uint ? ") uniform usampler2D u_" : ") uniform sampler2D u_");
+        } else {
+            hbil__puts(s, ", ");
+            hbil__puts(s, hbil_format_name((hbil_format)t->format));
+            hbil__puts(s, is_uint ? ") uniform writeonly uimage2D u_" : ") uniform writeonly image2D u_");
+        }
+        hbil__puts(s, t->name);
+        hbil__puts(s, "; // ");
+        hbil__puts(s, hbil__textures[hbil__texture_row(t->name)].meaning);
+        hbil__puts(s, "\n");
+    }
+    hbil__puts(s, "\n");
+}
+
+static void hbil__put_meaning(hbil__sink *s, int32_t option)
+{
+    hbil__puts(s, " // ");
+    hbil__puts(s, hbil__options[option].meaning);
+    if (strcmp(hbil__options[option].unit, "1")) {
+        hbil__puts(s, ". ");
+        hbil__puts(s, hbil__options[option].unit);
+    }
+    hbil__puts(s, "\n");
+}
+
+static const char *hbil__uniform_meaning(const char *name)
+{
+    int32_t i = 0;
+    while (strcmp(hbil__uniforms[i].name, name)) ++i;
+    return hbil__uniforms[i].meaning;
+}
+
+static void hbil__emit_block(hbil__sink *s, const hbil_plan *p)
+{
+    uint32_t i;
+    hbil__put_slot(s, p, p->constants_slot);
+    hbil__puts(s, ", std140) uniform HbilFrame {\n");
+    for (i = 0; i < p->constant_count; ++i) {
+        const hbil_constant *k = &p->constants[i];
+        hbil__puts(s, "    ");
+        hbil__puts(s, hbil__types[k->type].glsl);
+        hbil__puts(s, " ");
+        hbil__puts(s, k->name);
+        hbil__puts(s, ";");
+        if (k->option >= 0) {
+            hbil__put_meaning(s, k->option);
+            continue;
+        }
+        hbil__puts(s, " // ");
+        hbil__puts(s, hbil__uniform_meaning(k->name));
+        hbil__puts(s, "\n");
+    }
+    hbil__puts(s, "};\n\n");
+}
+
+static void hbil__emit_constants(hbil__sink *s, const hbil_config *c, const hbil__used *used)
+{
+    int32_t i, some = 0;
+    for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i) {
+        if (!hbil__marked(&used->uniforms, i) || !hbil__size_baked(c, i)) continue;
+        hbil__puts(s, "const ivec2 HBIL_SIZE = ivec2(");
+        hbil__put_int(s, c->width);
+        hbil__puts(s, ", ");
+        hbil__put_int(s, c->height);
+        hbil__puts(s, "); // ");
+        hbil__puts(s, hbil__uniforms[i].meaning);
+        hbil__puts(s, "\n");
+        ++some;
+    }
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        int is_int = hbil__options[i].kind == HBIL_KIND_INT;
+        if (!hbil__marked(used->options, i) || hbil__is_dynamic(c, i)) continue;
+        hbil__puts(s, is_int ? "const int HBIL_" : "const float HBIL_");
+        hbil__put_upper(s, hbil__options[i].name);
+        hbil__puts(s, " = ");
+        if (is_int) hbil__put_int(s, hbil__get(c, i).i);
+        else hbil__put_float(s, hbil__get(c, i).f, 1);
+        hbil__puts(s, ";");
+        hbil__put_meaning(s, i);
+        ++some;
+    }
+    if (some) hbil__puts(s, "\n");
+}
+
+static void hbil__emit_chunks(hbil__sink *s, const hbil_config *c, const hbil__used *used)
+{
+    const char *file = "", *line;
+    int32_t i;
+    size_t len;
+    for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i) {
+        hbil__lines l = hbil__lines_of(c, hbil__chunks[i].text);
+        if (!hbil__marked(used->chunks, i)) continue;
+        if (strcmp(file, hbil__chunks[i].file)) {
+            file = hbil__chunks[i].file;
+            hbil__puts(s, "// ---- ");
+            hbil__puts(s, file);
+            hbil__puts(s, ".glsl\n\n");
+        }
+        while (hbil__next_line(&l, &line, &len)) {
+            hbil__put(s, line, len);
+            hbil__puts(s, "\n");
+        }
+        if (i + 1 < HBIL__COUNT(hbil__chunks)) hbil__puts(s, "\n");
+    }
+}
+
+static int32_t hbil__pass_row(const char *name)
+{
+    int32_t i = 0;
+    while (strcmp(hbil__passes[i].name, name)) ++i;
+    return i;
+}
+
+/* ======================================================================
+ * >>manifest   the plan as JSON
+ * ====================================================================== */
+
+static void hbil__json_key(hbil__sink *s, const char *key, int first)
+{
+    hbil__puts(s, first ? "\"" : ", \"");
+    hbil__puts(s, key);
+    hbil__puts(s, "\": ");
+}
+
+static void hbil__json_int(hbil__sink *s, const char *key, int64_t v, int first)
+{
+    hbil__json_key(s, key, first);
+    hbil__put_int(s, v);
+}
+
+static void hbil__json_text(hbil__sink *s, const char *key, const char *v, int first)
+{
+    hbil__json_key(s, key, first);
+    hbil__puts(s, "\"");
+    hbil__puts(s, v); /* names, formats and config text hold nothing that JSON would escape */
+    hbil__puts(s, "\"");
+}
+
+static void hbil__json_config(hbil__sink *s, const hbil_config *c)
+{
+    int32_t i;
+    hbil__puts(s, "  \"config\": {");
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        int number = hbil__options[i].kind == HBIL_KIND_INT || hbil__options[i].kind == HBIL_KIND_FLOAT;
+        hbil__json_key(s, hbil__options[i].name, i == 0);
+        if (!number) hbil__puts(s, "\"");
+        hbil__put_value(s, i, hbil__get(c, i));
+        if (!number) hbil__puts(s, "\"");
+    }
+    hbil__puts(s, "},\n");
+}
+
+static void hbil__json_block(hbil__sink *s, const hbil_plan *p)
+{
+    uint32_t i;
+    hbil__puts(s, "  \"uniform_block\": {");
+    hbil__json_int(s, "slot", p->constants_slot, 1);
+    hbil__json_int(s, "bytes", p->constants_size, 0);
+    hbil__puts(s, ", \"members\": [");
+    for (i = 0; i < p->constant_count; ++i) {
+        const hbil_constant *k = &p->constants[i];
+        hbil__puts(s, i ? ",\n    {" : "\n    {");
+        hbil__json_text(s, "name", k->name, 1);
+        hbil__json_text(s, "type", hbil__types[k->type].glsl, 0);
+        hbil__json_int(s, "offset", k->offset, 0);
+        hbil__puts(s, "}");
+    }
+    hbil__puts(s, "]},\n");
+}
+
+static void hbil__json_textures(hbil__sink *s, const hbil_plan *p)
+{
+    uint32_t i;
+    hbil__puts(s, "  \"textures\": [");
+    for (i = 0; i < p->texture_count; ++i) {
+        const hbil_texture *t = &p->textures[i];
+        hbil__puts(s, i ? ",\n    {" : "\n    {");
+        hbil__json_text(s, "name", t->name, 1);
+        hbil__json_text(s, "life", hbil__life_names[t->life], 0);
+        hbil__json_text(s, "format", hbil_format_name((hbil_format)t->format), 0);
+        hbil__json_int(s, "div", t->div, 0);
+        hbil__json_int(s, "mips", t->mips, 0);
+        hbil__json_int(s, "copies", t->copies, 0);
+        hbil__json_text(s, "meaning", hbil__textures[hbil__texture_row(t->name)].meaning, 0);
+        hbil__puts(s, "}");
+    }
+    hbil__puts(s, "],\n");
+}
+
+static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass)
+{
+    uint32_t b;
+    hbil__json_text(s, "name", pass->name, 1);
+    hbil__put_group(s, pass, ", \"group\": [", ", ", "]");
+    hbil__json_text(s, "domain", p->textures[pass->domain].name, 0);
+    hbil__json_int(s, "uniform_block", pass->constants, 0);
+    hbil__puts(s, ",\n     \"bindings\": [");
+    for (b = 0; b < pass->binding_count; ++b) {
+        const hbil_binding *bind = &pass->bindings[b];
+        hbil__puts(s, b ? ", {" : "{");
+        hbil__json_int(s, "slot", bind->slot, 1);
+        hbil__json_text(s, "texture", p->textures[bind->texture].name, 0);
+        hbil__json_text(s, "access", hbil__access_names[bind->access], 0);
+        hbil__json_int(s, "age", bind->age, 0);
+        hbil__json_int(s, "mip", bind->mip, 0);
+        hbil__puts(s, "}");
+    }
+    hbil__puts(s, "],\n     \"barriers\": [");
+    for (b = 0; b < pass->barrier_count; ++b) {
+        hbil__puts(s, b ? ", {" : "{");
+        hbil__json_text(s, "texture", p->textures[pass->barriers[b].texture].name, 1);
+        hbil__json_text(s, "before", hbil__access_names[pass->barriers[b].before], 0);
+        hbil__json_text(s, "after", hbil__access_names[pass->barriers[b].after], 0);
+        hbil__puts(s, "}");
+    }
+    hbil__puts(s, "]");
+}
+
+/* ======================================================================
+ * >>frame      camera matrices -> uniform block
+ * ====================================================================== */
+
+/* What the uniforms need to know of a camera, in double precision. Depth d is 1 at the near and 0 at the far end. */
+typedef struct hbil__camera {
+    double pixel_to_ray[4];  /* HBIL_PIXEL_TO_RAY */
+    double depth_to_view[2]; /* HBIL_DEPTH_TO_VIEW */
+    double view_z;           /* HBIL_VIEW_Z */
+} hbil__camera;
+
+static int hbil__frame_fault(hbil_diags *diags, const char *text, const char *fix)
+{
+    hbil__say(diags, HBIL_ERROR, -1, text, fix);
+    return 0;
+}
+
+static int hbil__all_finite(const float *m, int n)
+{
+    int i;
+    for (i = 0; i < n; ++i)
+        if (!(m[i] - m[i] == 0.0f)) return 0;
+    return 1;
+}
+
+/* Rows 0 and 1 of a projection: view x alone makes clip x, view y alone clip y, z may shift both. */
+static int hbil__read_rays(const float *m, int perspective, hbil_diags *diags, hbil__camera *out)
+{
+    double w = perspective ? (m[11] < 0 ? -(double)m[11] : (double)m[11]) : (double)m[15];
+    double z = perspective ? (m[11] < 0 ? -1.0 : 1.0) : 0.0;
+    if (!hbil__all_finite(m, 16)) return hbil__frame_fault(diags, "projection: holds NaN or infinity", "; fill all 16 numbers");
+    if (perspective ? m[3] != 0 || m[7] != 0 || m[11] == 0 || m[15] != 0 : m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
+        return hbil__frame_fault(diags, perspective ? "projection: not a perspective matrix" : "projection: not an orthographic matrix",
+                                 perspective ? "; is it column-major? else set projection=orthographic"
+                                             : "; is it column-major? else set projection=perspective");
+    if (m[0] == 0 || m[5] == 0 || m[1] != 0 || m[4] != 0)
+        return hbil__frame_fault(diags, "projection: view x must map to clip x and y to clip y", "; rotated screens: rotate the view instead");
+    if (!perspective && (m[8] != 0 || m[9] != 0))
+        return hbil__frame_fault(diags, "projection: oblique orthographic cameras are not supported", "; remove the shear");
+    out->view_z = z; /* orthographic: found from the depth row */
+    out->pixel_to_ray[0] = w / (double)m[0];
+    out->pixel_to_ray[1] = w / (double)m[5];
+    out->pixel_to_ray[2] = (perspective ? -z * (double)m[8] : -(double)m[12]) / (double)m[0];
+    out->pixel_to_ray[3] = (perspective ? -z * (double)m[9] : -(double)m[13]) / (double)m[5];
+    return 1;
+}
+
+/* Row 2: v(d) as d * x + y. ndc z at d = 0 and 1 follow from direction and clip. */
+static int hbil__read_depth(const hbil_config *c, const float *m, hbil_diags *diags, hbil__camera *out)
+{
+    int perspective = c->projection == HBIL_PROJECTION_PERSPECTIVE, reversed = c->depth_direction == HBIL_DEPTH_DIRECTION_REVERSED;
+    double low = c->clip == HBIL_CLIP_GL ? -1.0 : 0.0, far_ndc = reversed ? low : 1.0, near_ndc = reversed ? 1.0 : low;
+    double far_v, near_v;
+    if (perspective && c->depth != HBIL_DEPTH_DEVICE) return 1;
+    if (perspective) { /* ndc = (a z + b / depth) / w, a z from the matrix: 1/depth = (ndc w - a z) / b */
+        double w = (double)m[11] * out->view_z, a = (double)m[10] * out->view_z, b = (double)m[14];
+        if (b == 0) return hbil__frame_fault(diags, "projection: its z row gives no depth", "; set depth=linear or fill the row");
+        far_v = (far_ndc * w - a) / b;
+        near_v = (near_ndc * w - a) / b;
+    } else {
+        if (m[10] == 0) return hbil__frame_fault(diags, "projection: its z row gives no depth", "; fill the row");
+        far_v = (far_ndc * (double)m[15] - (double)m[14]) / (double)m[10];
+        near_v = (near_ndc * (double)m[15] - (double)m[14]) / (double)m[10];
+        out->view_z = far_v < near_v ? -1.0 : 1.0; /* depth grows towards the far end */
+        far_v *= out->view_z;
+        near_v *= out->view_z;
+    }
+    if (perspective && !(near_v > far_v))
+        return hbil__frame_fault(diags, "projection: its near end is behind its far end", reversed
+                                 ? "; the matrix is not reversed: set depth_direction=forward" : "; a reversed matrix needs depth_direction=reversed");
+    if (perspective && far_v < -1e-5 * near_v)
+        return hbil__frame_fault(diags, "projection: its far end is behind the eye", "; check the options clip and depth_direction");
+    if (perspective && c->depth_far == HBIL_DEPTH_FAR_INFINITE && far_v > 1e-5 * near_v)
+        return hbil__frame_fault(diags, "projection: its far plane is finite", "; set depth_far=finite");
+    out->depth_to_view[0] = near_v - far_v;
+    out->depth_to_view[1] = far_v > 0 || !perspective ? far_v : 0.0;
+    return 1;
+}
+
+static int hbil__read_camera(const hbil_plan *p, const hbil_frame *f, hbil_diags *diags, hbil__camera *out)
+{
+    const hbil_config *c = &p->config;
+    uint32_t w = f->width ? f->width : (uint32_t)c->width, h = f->height ? f->height : (uint32_t)c->height;
+    memset(out, 0, sizeof *out);
+    if (f->guard) return hbil__frame_fault(diags, "frame: guard is not 0", "; zero the struct before filling it");
+    if (w < 1 || w > 16384 || h < 1 || h > 16384) return hbil__frame_fault(diags, "frame: width and height must be in [1, 16384]", "");
+    if (c->width && (w != (uint32_t)c->width || h != (uint32_t)c->height))
+        return hbil__frame_fault(diags, "frame: size differs from the baked one", "; set width and height to default");
+    if (!hbil__read_rays(f->projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, diags, out)) return 0;
+    if (!hbil__read_depth(c, f->projection, diags, out)) return 0;
+    out->pixel_to_ray[2] -= out->pixel_to_ray[0]; /* ndc = 2 pixel / size - 1 */
+    out->pixel_to_ray[3] -= out->pixel_to_ray[1];
+    out->pixel_to_ray[0] *= 2.0 / w;
+    out->pixel_to_ray[1] *= 2.0 / h;
+    return 1;
+}
+
+/* Columns of the rotation from world to view, third row turned into the screen. */
+static int hbil__pack_rotation(const hbil_frame *f, double view_z, float out[12], hbil_diags *diags)
+{
+    int i, j, k;
+    if (!hbil__all_finite(f->view, 16)) return hbil__frame_fault(diags, "view: holds NaN or infinity", "; fill all 16 numbers");
+    for (i = 0; i < 3; ++i)
+        for (j = i; j < 3; ++j) {
+            double dot = 0;
+            for (k = 0; k < 3; ++k) dot += (double)f->view[k * 4 + i] * (double)f->view[k * 4 + j];
+            if (i == j) dot -= 1;
+            if (dot > 1e-3 || dot < -1e-3)
+                return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+        }
+    for (i = 0; i < 3; ++i) {
+        out[i * 4 + 0] = f->view[i * 4 + 0];
+        out[i * 4 + 1] = f->view[i * 4 + 1];
+        out[i * 4 + 2] = f->view[i * 4 + 2] * (float)view_z;
+        out[i * 4 + 3] = 0;
+    }
+    return 1;
+}
+
+static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t option, hbil__value *out, hbil_diags *diags)
+{
+    char text[32];
+    hbil__sink s = hbil__sink_open(text, sizeof text);
+    *out = hbil__get(&p->config, option);
+    if (!f->live) return 1;
+    if (hbil__get(f->live, option).u) *out = hbil__get(f->live, option);
+    if (hbil__in_range(option, *out)) return 1;
+    if (hbil__options[option].kind == HBIL_KIND_INT) hbil__put_int(&s, out->i);
+    hbil__sink_close(&s, NULL);
+    hbil__say_range(diags, "live.", option, text, s.size);
+    return 0;
+}
+
+static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__camera *cam, const hbil_constant *k,
+                          unsigned char *out, hbil_diags *diags)
+{
+    union { float f[12]; int32_t i[2]; uint32_t u; } v;
+    int i, j;
+    memset(&v, 0, sizeof v);
+    if (k->option >= 0) {
+        hbil__value o;
+        if (!hbil__pack_option(p, f, k->option, &o, diags)) return 0;
+        v.u = o.u;
+    } else if (strcmp(k->name, "HBIL_PIXEL_TO_RAY") == 0) {
+        for (i = 0; i < 4; ++i) v.f[i] = (float)cam->pixel_to_ray[i];
+    } else if (strcmp(k->name, "HBIL_DEPTH_TO_VIEW") == 0) {
+        for (j = 0; j < 2; ++j) v.f[j] = (float)cam->depth_to_view[j];
+    } else if (strcmp(k->name, "HBIL_SIZE") == 0) {
+        v.i[0] = (int32_t)f->width;
+        v.i[1] = (int32_t)f->height;
+    } else if (strcmp(k->name, "HBIL_WORLD_TO_VIEW") == 0) {
+        if (!hbil__pack_rotation(f, cam->view_z, v.f, diags)) return 0;
+    } else if (strcmp(k->name, "HBIL_VIEW_Z") == 0) {
+        v.f[0] = (float)cam->view_z;
+    } else { /* HBIL_FRAME_INDEX */
+        v.u = f->index;
+    }
+    memcpy(out + k->offset, &v, hbil__types[k->type].size);
+    return 1;
+}
+
+/* ======================================================================
+ * >>public     thin, over the private ones
+ * ====================================================================== */
+
+#define HBIL__RESULT_TEXT(name, text) text,
+
+uint32_t hbil_version(void) { return HBIL_VERSION; }
+
+const char *hbil_result_name(hbil_result result)
+{
+    static const char *const names[] = { HBIL_RESULTS(HBIL__RESULT_TEXT) };
+    return (uint32_t)result < HBIL_RESULT_COUNT ? names[result] : "unknown";
+}
+
+const char *hbil_format_name(hbil_format format)
+{
+    if ((uint32_t)format < 1 || (uint32_t)format >= HBIL_FORMAT_COUNT) return "unknown";
+    return format == HBIL_FORMAT_ANY ? "any" : hbil__formats[format - 1].layout;
+}
+
+uint32_t hbil_format_bytes(hbil_format format)
+{
+    return (uint32_t)format < 1 || (uint32_t)format >= HBIL_FORMAT_COUNT ? 0 : hbil__formats[format - 1].bytes;
+}
+
+int32_t hbil_option_count(void) { return HBIL__COUNT(hbil__options); }
+
+const hbil_option *hbil_option_at(int32_t index)
+{
+    return index >= 0 && index < HBIL__COUNT(hbil__options) ? &hbil__options[index] : NULL;
+}
+
+int32_t hbil_option_find(const char *name, size_t len, int32_t *nearest)
+{
+    int32_t i, best = 0, best_distance = 100;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        int d = hbil__distance(hbil__options[i].name, name, len);
+        if (d < best_distance) best = i, best_distance = d;
+    }
+    if (nearest) *nearest = best;
+    return best_distance == 0 ? best : -1;
+}
+
+const char *hbil_preset_name(int32_t index)
+{
+    return index >= 0 && index < HBIL__COUNT(hbil__presets) ? hbil__presets[index].name : NULL;
+}
+
+const char *hbil_preset_meaning(int32_t index)
+{
+    return index >= 0 && index < HBIL__COUNT(hbil__presets) ? hbil__presets[index].meaning : NULL;
+}
+
+hbil_result hbil_config_preset(const char *name, hbil_config *out, hbil_diags *diags)
+{
+    int32_t i, best = 0, best_distance = 100;
+    hbil__sink s;
+    if (!name || !out) return HBIL_E_ARG;
+    for (i = 0; i < HBIL__COUNT(hbil__presets); ++i) {
+        int d = hbil__distance(hbil__presets[i].name, name, strlen(name));
+        if (d < best_distance) best = i, best_distance = d;
+    }
+    if (best_distance == 0) {
+        memset(out, 0, sizeof *out);
+        return hbil_config_parse(out, hbil__presets[best].config, strlen(hbil__presets[best].config), diags);
+    }
+    hbil__report(diags, HBIL_ERROR, -1, &s);
+    hbil__put(&s, name, strlen(name) < 32 ? strlen(name) : 32);
+    hbil__puts(&s, ": no such preset; did you mean ");
+    hbil__puts(&s, hbil__presets[best].name);
+    hbil__puts(&s, "?");
+    hbil__sink_close(&s, NULL);
+    return HBIL_E_CONFIG;
+}
+
+hbil_result hbil_config_set(hbil_config *config, const char *name, const char *value, hbil_diags *diags)
+{
+    if (!config || !name || !value) return HBIL_E_ARG;
+    return hbil__assign(config, "", name, strlen(name), value, strlen(value), diags);
+}
+
+hbil_result hbil_config_parse(hbil_config *config, const char *text, size_t len, hbil_diags *diags)
+{
+    hbil__reader r;
+    hbil_result result = HBIL_OK;
+    if (!config || (!text && len)) return HBIL_E_ARG;
+    r.s = text;
+    r.len = len;
+    r.at = 0;
+    r.line = 1;
+    for (hbil__skip_separators(&r); r.at < r.len; hbil__skip_separators(&r)) {
+        hbil_result one = hbil__parse_pair(&r, config, diags);
+        if (one != HBIL_OK) result = one;
+    }
+    return result;
+}
+
+/* Faults of single values; zeros become defaults. */
+static hbil_result hbil__resolve_values(hbil_config *c, hbil_diags *diags)
+{
+    hbil_result result = HBIL_OK;
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        hbil__value v = hbil__get(c, i);
+        char text[40];
+        hbil__sink s = hbil__sink_open(text, sizeof text);
+        if (v.u == 0 || (hbil__options[i].kind == HBIL_KIND_FLOAT && v.f == 0)) v = hbil__default(i);
+        hbil__set(c, i, v);
+        if (hbil__in_range(i, v)) continue;
+        if (hbil__options[i].kind == HBIL_KIND_SET) { hbil__puts(&s, "0x"); hbil__put_hex(&s, v.u); }
+        else if (hbil__options[i].kind != HBIL_KIND_FLOAT) hbil__put_int(&s, v.i);
+        else if (v.f > -1e16f && v.f < 1e16f) hbil__put_float(&s, v.f, 0);
+        else hbil__puts(&s, v.f == v.f ? "huge" : "nan");
+        hbil__say_range(diags, "", i, text, s.size);
+        result = HBIL_E_CONFIG;
+    }
+    return result;
+}
+
+hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_diags *diags)
+{
+    hbil_config c;
+    hbil_result result;
+    int32_t i;
+    if (!in || !out) return HBIL_E_ARG;
+    c = *in;
+    if (c.guard || c.guard_end) {
+        hbil__say(diags, HBIL_ERROR, -1, "config: guard is not 0", "; zero the struct before filling it");
+        return HBIL_E_CONFIG;
+    }
+    result = hbil__resolve_values(&c, diags);
+    if (result != HBIL_OK) return result;
+    if (!c.width != !c.height) {
+        hbil__say(diags, HBIL_ERROR, hbil_option_find("width", 5, NULL), "width and height are baked together", "; set both or neither");
+        result = HBIL_E_CONFIG;
+    }
+    if ((c.dynamic & HBIL_DYNAMIC_REACH) && c.reach == 0) {
+        hbil__say(diags, HBIL_ERROR, hbil_option_find("dynamic", 7, NULL), "dynamic=reach: the whole screen (reach=0) has no radius to vary",
+                  "; set reach to its first value in m");
+        result = HBIL_E_CONFIG;
+    }
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        const hbil_option *o = &hbil__options[i];
+        if (hbil__holds(&c, o->applies)) continue;
+        if (hbil__get(&c, i).u != hbil__default(i).u || (c.dynamic & o->dynamic))
+            hbil__say(diags, HBIL_NOTE, i, o->name, " has no effect in this config and was put back to its default");
+        hbil__set(&c, i, hbil__default(i));
+        c.dynamic &= ~o->dynamic;
+    }
+    if (result == HBIL_OK) *out = c;
+    return result;
+}
+
+hbil_result hbil_config_print(const hbil_config *config, int all, char *buf, size_t cap, size_t *need)
+{
+    hbil__sink s = hbil__sink_open(buf, cap);
+    if (!config || (!buf && cap)) return HBIL_E_ARG;
+    hbil__put_config(&s, config, all, " ");
+    return hbil__sink_close(&s, need);
+}
+
+uint64_t hbil_config_hash(const hbil_config *config)
+{
+    char text[2048];
+    hbil_config c;
+    uint64_t hash = 14695981039346656037u; /* FNV-1a */
+    size_t i, n;
+    if (!config || hbil_config_resolve(config, &c, NULL) != HBIL_OK) return 0;
+    hbil_config_print(&c, 0, text, sizeof text, &n);
+    for (i = 0; i < 4; ++i) hash = (hash ^ (HBIL_VERSION >> (8 * i) & 255)) * 1099511628211u;
+    for (i = 0; i + 1 < n && i < sizeof text; ++i) hash = (hash ^ (unsigned char)text[i]) * 1099511628211u;
+    return hash;
+}
+
+hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, hbil_diags *diags)
+{
+    hbil__used used, any;
+    hbil_config c;
+    hbil_result result;
+    int32_t i;
+    if (!config || !out) return HBIL_E_ARG;
+    result = hbil_config_resolve(config, &c, diags);
+    if (result != HBIL_OK) return result;
+    memset(out, 0, sizeof *out);
+    memset(&any, 0, sizeof any);
+    out->config = c;
+    out->hash = hbil_config_hash(&c);
+    for (i = 0; i < HBIL__COUNT(hbil__passes); ++i) {
+        if (!hbil__holds(&c, hbil__passes[i].exists)) continue;
+        hbil__scan_pass(&c, i, &used);
+        hbil__plan_add_pass(out, &c, i, &used);
+        out->passes[out->pass_count - 1].constants = (uint16_t)hbil__reads_block(&c, &used);
+        any.uniforms |= used.uniforms;
+        any.options[0] |= used.options[0];
+        any.options[1] |= used.options[1];
+    }
+    for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i)
+        if (hbil__marked(&any.uniforms, i) && !hbil__size_baked(&c, i))
+            hbil__plan_add_constant(out, hbil__uniforms[i].name, hbil__uniforms[i].type, -1);
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i)
+        if (hbil__marked(any.options, i) && hbil__is_dynamic(&c, i))
+            hbil__plan_add_constant(out, hbil__options[i].name,
+                                    hbil__options[i].kind == HBIL_KIND_INT ? HBIL_TYPE_INT : HBIL_TYPE_FLOAT, i);
+    out->constants_size = (out->constants_size + 15) / 16 * 16;
+    hbil__plan_all_barriers(out);
+    return HBIL_OK;
+}
+
+int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
+{
+    uint32_t i;
+    if (!plan || !name) return -1;
+    for (i = 0; i < plan->texture_count && i < HBIL_MAX_TEXTURES; ++i)
+        if (strcmp(plan->textures[i].name, name) == 0) return (int32_t)i;
+    return -1;
+}
+
+int32_t hbil_plan_pass(const hbil_plan *plan, const char *name)
+{
+    uint32_t i;
+    if (!plan || !name) return -1;
+    for (i = 0; i < plan->pass_count && i < HBIL_MAX_PASSES; ++i)
+        if (strcmp(plan->passes[i].name, name) == 0) return (int32_t)i;
+    return -1;
+}
+
+hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t width, uint32_t height, uint32_t out[2])
+{
+    uint32_t div;
+    if (!plan || !out || texture < 0 || texture >= HBIL_MAX_TEXTURES || (uint32_t)texture >= plan->texture_count) return HBIL_E_ARG;
+    if (width < 1 || width > 16384 || height < 1 || height > 16384) return HBIL_E_ARG;
+    div = plan->textures[texture].div;
+    out[0] = (width + div - 1) / div;
+    out[1] = (height + div - 1) / div;
+    return HBIL_OK;
+}
+
+uint64_t hbil_plan_memory(const hbil_plan *plan, uint32_t width, uint32_t height)
+{
+    uint64_t sum = 0;
+    uint32_t i, m, wh[2];
+    if (!plan) return 0;
+    for (i = 0; i < plan->texture_count; ++i) {
+        const hbil_texture *t = &plan->textures[i];
+        if (hbil_plan_extent(plan, (int32_t)i, width, height, wh) != HBIL_OK) return 0;
+        if (t->life < HBIL_LIFE_TRANSIENT) continue;
+        for (m = 0; m < t->mips; ++m) {
+            uint64_t w = wh[0] >> m ? wh[0] >> m : 1, h = wh[1] >> m ? wh[1] >> m : 1;
+            sum += w * h * t->copies * hbil_format_bytes((hbil_format)t->format);
+        }
+    }
+    return sum;
+}
+
+hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *frame, hbil_dispatch *out)
+{
+    uint32_t i, w, h, wh[2];
+    if (!plan || !frame || !out) return HBIL_E_ARG;
+    w = frame->width ? frame->width : (uint32_t)plan->config.width;
+    h = frame->height ? frame->height : (uint32_t)plan->config.height;
+    if (w < 1 || w > 16384 || h < 1 || h > 16384) return HBIL_E_ARG;
+    for (i = 0; i < plan->pass_count; ++i) {
+        const hbil_pass *pass = &plan->passes[i];
+        if (hbil_plan_extent(plan, pass->domain, w, h, wh) != HBIL_OK) return HBIL_E_ARG;
+        out[i].groups[0] = (wh[0] + pass->group[0] - 1) / pass->group[0];
+        out[i].groups[1] = (wh[1] + pass->group[1] - 1) / pass->group[1];
+        out[i].groups[2] = 1;
+    }
+    return HBIL_OK;
+}
+
+hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need)
+{
+    hbil__sink s = hbil__sink_open(buf, cap);
+    hbil__used used;
+    int32_t row;
+    if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count || (!buf && cap)) return HBIL_E_ARG;
+    row = hbil__pass_row(plan->passes[pass].name);
+    hbil__scan_pass(&plan->config, row, &used);
+    hbil__emit_header(&s, plan, pass, row);
+    hbil__emit_bindings(&s, plan, &plan->passes[pass]);
+    if (plan->passes[pass].constants) hbil__emit_block(&s, plan);
+    hbil__emit_constants(&s, &plan->config, &used);
+    hbil__emit_chunks(&s, &plan->config, &used);
+    return hbil__sink_close(&s, need);
+}
+
+hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need)
+{
+    hbil__sink s = hbil__sink_open(buf, cap);
+    uint32_t i;
+    if (!plan || (!buf && cap)) return HBIL_E_ARG;
+    hbil__puts(&s, "{\n  ");
+    hbil__json_int(&s, "schema", 1, 1);
+    hbil__json_int(&s, "version", HBIL_VERSION, 0);
+    hbil__puts(&s, ", \"hash\": \"");
+    hbil__put_hex(&s, plan->hash);
+    hbil__puts(&s, "\",\n");
+    hbil__json_config(&s, &plan->config);
+    hbil__json_block(&s, plan);
+    hbil__json_textures(&s, plan);
+    hbil__puts(&s, "  \"passes\": [");
+    for (i = 0; i < plan->pass_count; ++i) {
+        hbil__puts(&s, i ? ",\n    {" : "\n    {");
+        hbil__json_pass(&s, plan, &plan->passes[i]);
+        hbil__puts(&s, "}");
+    }
+    hbil__puts(&s, "]\n}\n");
+    return hbil__sink_close(&s, need);
+}
+
+hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame *frame, void *buf, size_t cap, size_t *need,
+                                hbil_diags *diags)
+{
+    hbil__camera camera;
+    unsigned char block[HBIL_CONSTANTS_MAX];
+    uint32_t i;
+    if (!plan || !frame || (!buf && cap)) return HBIL_E_ARG;
+    if (!hbil__read_camera(plan, frame, diags, &camera)) return HBIL_E_FRAME;
+    memset(block, 0, sizeof block);
+    for (i = 0; i < plan->constant_count; ++i)
+        if (!hbil__pack_one(plan, frame, &camera, &plan->constants[i], block, diags)) return HBIL_E_FRAME;
+    if (need) *need = plan->constants_size;
+    if (cap < plan->constants_size) return HBIL_E_SPACE;
+    if (plan->constants_size) memcpy(buf, block, plan->constants_size);
+    return HBIL_OK;
+}
+
+/* The plan must stay plain data of a known size. */
+typedef char hbil__static_assert_plan[sizeof(hbil_plan) <= 8192 ? 1 : -1];
+typedef char hbil__static_assert_options[HBIL__COUNT(hbil__options) <= 64 ? 1 : -1];
+typedef char hbil__static_assert_chunks[HBIL__COUNT(hbil__chunks) <= 256 ? 1 : -1];
+typedef char hbil__static_assert_tables[HBIL__COUNT(hbil__textures) <= HBIL_MAX_TEXTURES &&
+                                        HBIL__COUNT(hbil__passes) <= HBIL_MAX_PASSES &&
+                                        HBIL__COUNT(hbil__uniforms) <= 32 ? 1 : -1];
+
+#endif /* HBIL_IMPLEMENTED */
+#endif /* HBIL_IMPLEMENTATION */

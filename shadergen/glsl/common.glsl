@@ -1,0 +1,51 @@
+// Chunks that several passes use. The space of all passes: x right, y up, z into the screen, metres, eye at the origin.
+
+//@ chunk HBIL_SKY
+const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m
+
+//@ chunk HBIL_RADIANCE_MAX
+const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite
+
+//@ chunk hbil_position
+// Point seen at a pixel position (centres at .5) and view depth. m
+vec3 hbil_position(vec2 pixel, float z) {
+    vec2 ray = pixel * HBIL_PIXEL_TO_RAY.xy + HBIL_PIXEL_TO_RAY.zw;
+#if HBIL_PROJECTION_PERSPECTIVE
+    return vec3(ray * z, z);
+#else
+    return vec3(ray, z);
+#endif
+}
+
+//@ chunk hbil_view_vector
+// Unit vector from the surface seen at a pixel position to the eye. From the pixel alone: exact at any depth.
+vec3 hbil_view_vector(vec2 pixel) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    return -normalize(hbil_position(pixel, 1.0));
+#else
+    return vec3(0.0, 0.0, -1.0);
+#endif
+}
+
+//@ chunk hbil_finite
+// Radiance that can do no harm: NaN and negative become 0, infinity and fireflies the maximum.
+vec3 hbil_finite(vec3 radiance) {
+    return mix(vec3(0.0), min(radiance, vec3(HBIL_RADIANCE_MAX)), greaterThan(radiance, vec3(0.0)));
+}
+
+//@ chunk hbil_encode_normal
+// Octahedral map of a unit vector, 2 x snorm16. Error below 5e-5 rad. Meyer 2010
+uint hbil_encode_normal(vec3 n) {
+    vec2 o = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    vec2 fold = (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));
+    return packSnorm2x16(n.z > 0.0 ? fold : o);
+}
+
+//@ chunk hbil_decode_normal
+vec3 hbil_decode_normal(uint code) {
+    vec2 o = unpackSnorm2x16(code);
+    vec3 n = vec3(o, abs(o.x) + abs(o.y) - 1.0);
+    float fold = max(n.z, 0.0);
+    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));
+    return normalize(n);
+}

@@ -1,0 +1,108 @@
+// prepare: depth of any convention to metres, normals to view space, sky classified on the raw value.
+
+//@ chunk hbil_load_raw_depth
+float hbil_load_raw_depth(ivec2 p) {
+    return texelFetch(u_depth, p, 0).r;
+}
+
+//@ chunk hbil_view_depth
+// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any
+// arithmetic could round it, and is written so that NaN is sky too.
+float hbil_view_depth(ivec2 p) {
+    float raw = hbil_load_raw_depth(p);
+#if HBIL_DEPTH_LINEAR
+    float z = raw;
+    bool surface = raw < HBIL_SKY_DEPTH;
+#else
+#if HBIL_DEPTH_DIRECTION_REVERSED
+    float d = raw;
+#else
+    float d = 1.0 - raw;
+#endif
+    bool surface = d > 0.0;
+#if HBIL_PROJECTION_ORTHOGRAPHIC
+    float z = d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y;
+#elif HBIL_DEPTH_FAR_INFINITE
+    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x);
+#else
+    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y);
+#endif
+#endif
+#if HBIL_PROJECTION_PERSPECTIVE
+    return surface && z > 0.0 && z < HBIL_SKY ? z : HBIL_SKY;
+#else
+    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;
+#endif
+}
+
+//@ chunk hbil_load_normal
+#if !HBIL_NORMALS_DEPTH
+vec3 hbil_load_normal(ivec2 p) {
+    return texelFetch(u_normal, p, 0).xyz;
+}
+#endif
+
+//@ chunk hbil_neighbour
+// The quantity that is linear on the screen for every plane: 1/depth, or depth itself without perspective.
+// -1e30 outside the screen and on the sky.
+float hbil_neighbour(ivec2 p) {
+    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;
+    float z = hbil_view_depth(p);
+#if HBIL_PROJECTION_PERSPECTIVE
+    return z < HBIL_SKY ? 1.0 / z : -1e30;
+#else
+    return z < HBIL_SKY ? z : -1e30;
+#endif
+}
+
+//@ chunk hbil_tangent
+// Surface tangent along one screen axis: towards the side whose two pixels lie straighter in line with this one, so
+// that a silhouette or a crease beside the pixel is not averaged in.
+vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    float here = 1.0 / z;
+#else
+    float here = z;
+#endif
+    float left = hbil_neighbour(p - axis);
+    float right = hbil_neighbour(p + axis);
+    float bend_left = abs(2.0 * left - hbil_neighbour(p - 2 * axis) - here);
+    float bend_right = abs(2.0 * right - hbil_neighbour(p + 2 * axis) - here);
+    bool lost_left = left < -1e29;
+    bool lost_right = right < -1e29;
+    float side = lost_right || (!lost_left && bend_left < bend_right) ? -1.0 : 1.0;
+    float there = side < 0.0 ? left : right;
+    if (lost_left && lost_right) there = here;
+    vec2 q = vec2(p) + 0.5 + side * vec2(axis);
+#if HBIL_PROJECTION_PERSPECTIVE
+    return side * (hbil_position(q, 1.0 / there) - hbil_position(vec2(p) + 0.5, z));
+#else
+    return side * (hbil_position(q, there) - hbil_position(vec2(p) + 0.5, z));
+#endif
+}
+
+//@ chunk hbil_view_normal
+// Unit normal in view space, z into the screen. A normal that is zero, infinite or NaN is replaced by the view vector.
+vec3 hbil_view_normal(ivec2 p, float z) {
+    vec3 v = hbil_view_vector(vec2(p) + 0.5);
+#if HBIL_NORMALS_DEPTH
+    vec3 n = cross(hbil_tangent(p, ivec2(1, 0), z), hbil_tangent(p, ivec2(0, 1), z));
+    n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));
+    n = dot(n, v) < 0.0 ? -n : n;
+#elif HBIL_NORMALS_WORLD
+    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_normal(p);
+#else
+    vec3 n = hbil_load_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);
+#endif
+    float l2 = dot(n, n);
+    return l2 > 1e-12 && l2 < 1e12 ? n * inversesqrt(l2) : v;
+}
+
+//@ chunk main
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
+    float z = hbil_view_depth(p);
+    imageStore(u_view_depth, p, vec4(z));
+    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));
+}

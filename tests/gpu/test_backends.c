@@ -1,0 +1,178 @@
+/* test_backends.c - Vulkan and GL give the same image, per output, on the built-in scene and on all captures; the
+ * validation layer and GL debug output are silent; pipelines survive changes of plan and size. */
+
+#define HBIL_IMPLEMENTATION
+#include "../test.h"
+#include "../matrix.h"
+
+#include "../../examples/frame/capture.h"
+#include "../../examples/frame/runner.h"
+
+static runner *vulkan, *gl;
+static char    error[512];
+
+static hbil_plan plan_of(const char *config, const char *target)
+{
+    hbil_config c;
+    hbil_plan plan;
+    memset(&c, 0, sizeof c);
+    assert_int_equal(hbil_config_parse(&c, config, strlen(config), NULL), HBIL_OK);
+    assert_int_equal(hbil_config_set(&c, "target", target, NULL), HBIL_OK);
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    return plan;
+}
+
+static void run(runner *r, const hbil_plan *plan, const capture *cap, image outputs[HBIL_MAX_TEXTURES])
+{
+    image inputs[HBIL_MAX_TEXTURES];
+    hbil_frame frame;
+    int i;
+    memset(inputs, 0, sizeof inputs);
+    if (!capture_encode(cap, plan, &frame, inputs, error, sizeof error)) fail_msg("%s", error);
+    if (!runner_run(r, plan, &frame, inputs, outputs, 1, NULL, error, sizeof error)) fail_msg("%s", error);
+    for (i = 0; i < HBIL_MAX_TEXTURES; ++i) image_free(&inputs[i]);
+}
+
+/* Mean difference 1e-5, at most one pixel in 10,000 beyond 2e-3. */
+static void same_image(const char *where, const char *output, const image *a, const image *b)
+{
+    double sum = 0;
+    int beyond = 0, pixels = a->width * a->height, p, k;
+    assert_int_equal(a->width, b->width);
+    assert_int_equal(a->channels, b->channels);
+    for (p = 0; p < pixels; ++p) {
+        double worst = 0;
+        for (k = 0; k < a->channels; ++k) {
+            double d = (double)a->data[p * a->channels + k] - (double)b->data[p * a->channels + k];
+            if (d < 0) d = -d;
+            assert_true(d < 1e30); /* false for NaN */
+            if (d > worst) worst = d;
+        }
+        sum += worst;
+        beyond += worst > 2e-3;
+    }
+    if (pixels > 20000) print_message("%-16s %-10s mean difference %.1e, %d of %d pixels beyond 2e-3\n", where, output, sum / pixels, beyond, pixels);
+    assert_true(sum / pixels <= 1e-5);
+    assert_true(beyond * 10000 <= pixels);
+}
+
+static void compare(const char *where, const capture *cap, const char *config)
+{
+    hbil_plan pv = plan_of(config, "vulkan"), pg = plan_of(config, "gl");
+    image ov[HBIL_MAX_TEXTURES], og[HBIL_MAX_TEXTURES];
+    uint32_t t;
+    memset(ov, 0, sizeof ov);
+    memset(og, 0, sizeof og);
+    run(vulkan, &pv, cap, ov);
+    run(gl, &pg, cap, og);
+    for (t = 0; t < pv.texture_count; ++t) {
+        if (pv.textures[t].life == HBIL_LIFE_OUTPUT) same_image(where, pv.textures[t].name, &ov[t], &og[t]);
+        image_free(&ov[t]);
+        image_free(&og[t]);
+    }
+}
+
+#define ALL "outputs=ao+near+bent+composite "
+
+static void backends_agree_on_the_built_in_scene(void **state)
+{
+    static const char *const configs[] = { ALL, ALL "reach=1 noise=ign slices=2", ALL "normals=depth depth=device depth_direction=reversed",
+        ALL "normals=world spacing=geometric noise=none slices=1", "outputs=ao steps=12", "outputs=composite depth=device depth_far=infinite" };
+    static const int sizes[][2] = { { 160, 90 }, { 37, 61 }, { 1, 1 } };
+    size_t i, k;
+    (void)state;
+    for (k = 0; k < sizeof sizes / sizeof sizes[0]; ++k) {
+        capture cap;
+        if (!capture_scene(&cap, "cornell", sizes[k][0], sizes[k][1], 0, NULL, error, sizeof error)) fail_msg("%s", error);
+        for (i = 0; i < sizeof configs / sizeof configs[0]; ++i) compare(configs[i], &cap, configs[i]);
+        capture_free(&cap);
+    }
+}
+
+static void backends_agree_on_all_captures(void **state)
+{
+    static const char *const folders[] = { "cornell", "atrium", "terrain", "atrium-move" };
+    const char *root = getenv("HBIL_CAPTURES");
+    size_t i;
+    int n;
+    (void)state;
+    if (!root) {
+        print_message("skipped: HBIL_CAPTURES is not set\n");
+        skip();
+    }
+    for (i = 0; i < sizeof folders / sizeof folders[0]; ++i)
+        for (n = 0; n < (strcmp(folders[i], "atrium-move") ? 1 : 12); ++n) {
+            char exr[512], json[512], where[64];
+            capture cap;
+            snprintf(where, sizeof where, "%s %03d", folders[i], n);
+            snprintf(exr, sizeof exr, "%s/%s/frame-%03d.exr", root, folders[i], n);
+            snprintf(json, sizeof json, "%s/%s/camera-%03d.json", root, folders[i], n);
+            if (!capture_load(&cap, exr, json, error, sizeof error)) fail_msg("%s", error);
+            compare(where, &cap, ALL);
+            capture_free(&cap);
+        }
+}
+
+/* A slice of the option matrix, so that every option has run on both devices; the text is checked by the glsl tests. */
+static void options_run_on_both_backends(void **state)
+{
+    static hbil_config configs[MATRIX_ROWS];
+    int k, n = matrix_pairwise(configs), ran = 0;
+    capture cap;
+    (void)state;
+    if (!capture_scene(&cap, "cornell", 32, 18, 0, NULL, error, sizeof error)) fail_msg("%s", error);
+    for (k = 0; k < n; k += 2) {
+        hbil_config *c = &configs[k];
+        char text[2048];
+        if (c->width) c->width = 32, c->height = 18;
+        if (c->projection == HBIL_PROJECTION_ORTHOGRAPHIC) c->projection = 0; /* this scene's camera is perspective */
+        c->slices = c->slices > 4 ? 4 : c->slices;
+        c->steps = c->steps > 16 ? 16 : c->steps;
+        c->sky_depth = 0;
+        c->target = 0;
+        hbil_config_print(c, 0, text, sizeof text, NULL);
+        compare("matrix", &cap, text);
+        ++ran;
+    }
+    capture_free(&cap);
+    print_message("%d configs on both\n", ran);
+}
+
+static void no_validation_message(void **state)
+{
+    (void)state;
+    assert_int_equal(runner_messages(vulkan), 0);
+    assert_int_equal(runner_messages(gl), 0);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    vulkan = runner_open("vulkan", 1, error, sizeof error);
+    if (!vulkan) print_error("%s\n", error);
+    gl = runner_open("gl", 1, error, sizeof error);
+    if (!gl) print_error("%s\n", error);
+    if (!vulkan || !gl) return -1;
+    print_message("vulkan: %s, %s\ngl: %s, %s\n", runner_about(vulkan)->device, runner_about(vulkan)->driver,
+                  runner_about(gl)->device, runner_about(gl)->driver);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    runner_close(vulkan);
+    runner_close(gl);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(backends_agree_on_the_built_in_scene),
+        cmocka_unit_test(backends_agree_on_all_captures),
+        cmocka_unit_test(options_run_on_both_backends),
+        cmocka_unit_test(no_validation_message),
+    };
+    return cmocka_run_group_tests_name("backends", tests, set_up, tear_down);
+}

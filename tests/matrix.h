@@ -1,0 +1,112 @@
+/* matrix.h - test values of every option, and a pairwise matrix of configs, both made from the option table.
+ * Include after test.h. Deterministic: the same table gives the same matrix. */
+#ifndef HBIL_TEST_MATRIX_H
+#define HBIL_TEST_MATRIX_H
+
+#include <stdio.h>
+#include <string.h>
+
+#define MATRIX_OPTIONS 64
+#define MATRIX_VALUES  24
+#define MATRIX_ROWS    512
+
+typedef char matrix_text[48];
+
+/* Legal values of an option as text: choices; members, all, none; ends, default and whole numbers with text of their own. */
+static inline int matrix_values(int32_t option, matrix_text out[MATRIX_VALUES])
+{
+    static const double numbers[] = { 1, 2, 2.5, 640 };
+    const hbil_option *o = hbil_option_at(option);
+    char list[512];
+    char *word;
+    int n = 0;
+    size_t i;
+    strcpy(out[n++], "default");
+    if (!*o->choices) {
+        snprintf(out[n++], sizeof out[0], "%.9g", o->min);
+        snprintf(out[n++], sizeof out[0], "%.9g", o->max);
+        for (i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
+            if (numbers[i] > o->min && numbers[i] < o->max && (o->kind == HBIL_KIND_FLOAT || numbers[i] == (double)(int)numbers[i]))
+                snprintf(out[n++], sizeof out[0], "%.9g", numbers[i]);
+        return n;
+    }
+    strcpy(list, o->choices);
+    for (word = strtok(list, " "); word; word = strtok(NULL, " ")) {
+        assert_true(n < MATRIX_VALUES - 1);
+        strcpy(out[n++], word);
+    }
+    if (o->kind == HBIL_KIND_SET && n > 2) { /* all members at once */
+        char *all = list;
+        strcpy(list, o->choices);
+        for (; *all; ++all) if (*all == ' ') *all = '+';
+        if (strlen(list) < sizeof out[0]) strcpy(out[n++], list);
+    }
+    return n;
+}
+
+/* Combinations that the library refuses by design are moved to the nearest legal ones. */
+static inline void matrix_repair(hbil_config *c)
+{
+    if (!c->width != !c->height) c->width = c->height = c->width ? c->width : c->height;
+    if (c->reach == 0) c->dynamic &= ~(uint32_t)HBIL_DYNAMIC_REACH;
+}
+
+typedef struct matrix_state {
+    int         options, values[MATRIX_OPTIONS];
+    matrix_text text[MATRIX_OPTIONS][MATRIX_VALUES];
+    char        covered[MATRIX_OPTIONS][MATRIX_VALUES][MATRIX_OPTIONS][MATRIX_VALUES];
+} matrix_state;
+
+static inline int matrix_gain(const matrix_state *m, const int *row, int option, int value)
+{
+    int other, gain = 0;
+    for (other = 0; other < m->options; ++other)
+        if (row[other] >= 0 && other != option && !m->covered[option][value][other][row[other]]) ++gain;
+    return gain;
+}
+
+/* One row: starts from a pair that is not covered yet, then takes for each option the value that covers most. */
+static inline int matrix_row(matrix_state *m, int *row)
+{
+    int a, b, x, y, found = 0;
+    for (a = 0; a < m->options; ++a) row[a] = -1;
+    for (a = 0; a < m->options && !found; ++a)
+        for (b = a + 1; b < m->options && !found; ++b)
+            for (x = 0; x < m->values[a] && !found; ++x)
+                for (y = 0; y < m->values[b] && !found; ++y)
+                    if (!m->covered[a][x][b][y]) { row[a] = x; row[b] = y; found = 1; }
+    if (!found) return 0;
+    for (a = 0; a < m->options; ++a) {
+        int best = 0;
+        if (row[a] >= 0) continue;
+        for (x = 1; x < m->values[a]; ++x) if (matrix_gain(m, row, a, x) > matrix_gain(m, row, a, best)) best = x;
+        row[a] = best;
+    }
+    for (a = 0; a < m->options; ++a)
+        for (b = 0; b < m->options; ++b) m->covered[a][row[a]][b][row[b]] = 1;
+    return 1;
+}
+
+/* Configs in which every two values of every two options meet. Returns their number. */
+static inline int matrix_pairwise(hbil_config out[MATRIX_ROWS])
+{
+    static matrix_state m;
+    int row[MATRIX_OPTIONS], a, n = 0;
+    memset(&m, 0, sizeof m);
+    m.options = hbil_option_count();
+    assert_true(m.options <= MATRIX_OPTIONS);
+    for (a = 0; a < m.options; ++a) m.values[a] = matrix_values(a, m.text[a]);
+    while (matrix_row(&m, row)) {
+        hbil_config *c = &out[n++];
+        assert_true(n < MATRIX_ROWS);
+        memset(c, 0, sizeof *c);
+        for (a = 0; a < m.options; ++a) {
+            hbil_result result = hbil_config_set(c, hbil_option_at(a)->name, m.text[a][row[a]], NULL);
+            assert_true(result == HBIL_OK);
+        }
+        matrix_repair(c);
+    }
+    return n;
+}
+
+#endif

@@ -1,0 +1,182 @@
+/* test_plan.c - the null backend proves every plan of the pairwise matrix, and finds every kind of broken plan. */
+
+#define HBIL_IMPLEMENTATION
+#include "../test.h"
+#include "../matrix.h"
+#define HBIL_NULL_IMPLEMENTATION
+#include "../../backends/hbil_null.h"
+
+static hbil_config configs[MATRIX_ROWS];
+
+static void null_backend_passes_over_the_matrix_and_odd_sizes(void **state)
+{
+    static const uint32_t sizes[][2] = { { 1, 1 }, { 3, 5 }, { 1919, 1079 }, { 16384, 1 }, { 8, 8 } };
+    int k, n = matrix_pairwise(configs);
+    size_t s;
+    (void)state;
+    for (k = 0; k < n; ++k)
+        for (s = 0; s < sizeof sizes / sizeof sizes[0]; ++s) {
+            hbil_plan plan;
+            hbil_diag item;
+            hbil_diags diags = { &item, 1, 0 };
+            uint32_t w = sizes[s][0], h = sizes[s][1];
+            configs[k].width = configs[k].width ? (int32_t)w : 0; /* a baked size is this one */
+            configs[k].height = configs[k].height ? (int32_t)h : 0;
+            assert_int_equal(hbil_plan_build(&configs[k], &plan, NULL), HBIL_OK);
+            if (hbil_null_check(&plan, w, h, &diags)) fail_msg("%s", item.text);
+        }
+    print_message("%d configs x %d sizes\n", n, (int)(sizeof sizes / sizeof sizes[0]));
+}
+
+static hbil_plan full_plan(hbil_target target)
+{
+    hbil_config c;
+    hbil_plan plan;
+    memset(&c, 0, sizeof c);
+    c.target = target;
+    c.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT | HBIL_OUTPUTS_COMPOSITE;
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    return plan;
+}
+
+static void finds(const hbil_plan *plan, const char *what)
+{
+    hbil_diag items[16];
+    hbil_diags diags = { items, 16, 0 };
+    int i;
+    assert_true(hbil_null_check(plan, 640, 360, &diags) > 0);
+    for (i = 0; i < diags.count && i < 16; ++i)
+        if (strstr(items[i].text, what)) return;
+    fail_msg("not found: %s (first: %s)", what, items[0].text);
+}
+
+static void null_backend_finds_each_fault(void **state)
+{
+    hbil_plan good = full_plan(HBIL_TARGET_VULKAN), p;
+    int32_t march = hbil_plan_pass(&good, "march"), composite = hbil_plan_pass(&good, "composite");
+    uint32_t b;
+    (void)state;
+    for (b = 0; b < good.passes[march].barrier_count; ++b) { /* each missing barrier */
+        p = good;
+        p.passes[march].barriers[b] = p.passes[march].barriers[--p.passes[march].barrier_count];
+        finds(&p, "no barrier between write and read");
+    }
+    p = good;
+    p.passes[0].barrier_count = 0;
+    finds(&p, "no barrier between read and write");
+    p = good;
+    p.passes[composite].barriers[p.passes[composite].barrier_count++] = p.passes[march].barriers[0];
+    finds(&p, "barrier without need");
+    p = good;
+    p.passes[march].barriers[0].before = HBIL_ACCESS_SAMPLE;
+    finds(&p, "no barrier between write and read");
+    p = good;
+    p.passes[march].bindings[1].slot = p.passes[march].bindings[0].slot;
+    finds(&p, "slot used twice");
+    p = good;
+    p.passes[march].bindings[0].slot = (uint16_t)p.constants_slot;
+    finds(&p, "slot of the uniform block");
+    p = good;
+    p.passes[march].bindings[0].age = 1;
+    finds(&p, "age is not below copies");
+    p = good;
+    p.passes[march].bindings[0].mip = 3;
+    finds(&p, "mip is not below mips");
+    p = good;
+    p.passes[march].bindings[0].texture = 99;
+    finds(&p, "does not exist");
+    p = good;
+    p.passes[0].bindings[p.passes[0].binding_count] = p.passes[march].bindings[0];
+    p.passes[0].bindings[p.passes[0].binding_count++].slot = 9;
+    finds(&p, "read and written by one pass");
+    p = good; /* march before prepare */
+    p.passes[0] = good.passes[march];
+    p.passes[march] = good.passes[0];
+    finds(&p, "read before it is written");
+    p = good;
+    p.pass_count = 1;
+    finds(&p, "no pass uses it");
+    p = good;
+    p.passes[march].group[0] = 0;
+    finds(&p, "out of range");
+    p = good;
+    p.textures[0].copies = 0;
+    finds(&p, "at least 1");
+    p = full_plan(HBIL_TARGET_GL);
+    p.passes[march].bindings[3].slot = 8;
+    finds(&p, "more units than GL 4.3 promises");
+    assert_int_equal(hbil_null_check(&good, 0, 5, NULL), 1);
+    assert_int_equal(hbil_null_check(&good, 640, 360, NULL), 0);
+}
+
+/* A history of two copies, by hand: read last frame's, write this frame's. */
+static void null_backend_follows_history(void **state)
+{
+    hbil_plan p;
+    hbil_diag item;
+    hbil_diags diags = { &item, 1, 0 };
+    (void)state;
+    memset(&p, 0, sizeof p);
+    p.texture_count = p.pass_count = 1;
+    p.config.target = HBIL_TARGET_GL;
+    strcpy(p.textures[0].name, "history");
+    p.textures[0].format = HBIL_FORMAT_R32F;
+    p.textures[0].life = HBIL_LIFE_HISTORY;
+    p.textures[0].div = p.textures[0].mips = 1;
+    p.textures[0].copies = 2;
+    strcpy(p.passes[0].name, "blend");
+    p.passes[0].group[0] = p.passes[0].group[1] = 8;
+    p.passes[0].binding_count = 2;
+    p.passes[0].bindings[0].access = HBIL_ACCESS_SAMPLE;
+    p.passes[0].bindings[0].age = 1;
+    p.passes[0].bindings[1].access = HBIL_ACCESS_WRITE;
+    p.passes[0].barrier_count = 2;
+    p.passes[0].barriers[0].before = p.passes[0].barriers[1].after = HBIL_ACCESS_WRITE;
+    p.passes[0].barriers[0].after = p.passes[0].barriers[1].before = HBIL_ACCESS_SAMPLE;
+    if (hbil_null_check(&p, 64, 64, &diags)) fail_msg("%s", item.text);
+    p.passes[0].bindings[0].age = 0;
+    finds(&p, "read and written by one pass");
+}
+
+static void equal_configs_give_equal_bytes(void **state)
+{
+    hbil_config a, b;
+    hbil_plan p, q;
+    (void)state;
+    memset(&a, 0, sizeof a);
+    memset(&p, 0xaa, sizeof p);
+    memset(&q, 0x55, sizeof q);
+    assert_int_equal(hbil_config_resolve(&a, &b, NULL), HBIL_OK); /* zero and its defaults spelt out */
+    assert_int_equal(hbil_plan_build(&a, &p, NULL), HBIL_OK);
+    assert_int_equal(hbil_plan_build(&b, &q, NULL), HBIL_OK);
+    assert_memory_equal(&p, &q, sizeof p);
+}
+
+static void plan_names_stand_in_the_text(void **state)
+{
+    static char text[HBIL_GLSL_MAX];
+    hbil_plan p = full_plan(HBIL_TARGET_VULKAN);
+    uint32_t i, b;
+    char name[32];
+    (void)state;
+    for (i = 0; i < p.pass_count; ++i) {
+        assert_int_equal(hbil_emit_glsl(&p, (int32_t)i, text, sizeof text, NULL), HBIL_OK);
+        assert_non_null(strstr(text, p.passes[i].name));
+        for (b = 0; b < p.passes[i].binding_count; ++b) {
+            snprintf(name, sizeof name, "u_%s;", p.textures[p.passes[i].bindings[b].texture].name);
+            assert_non_null(strstr(text, name));
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(null_backend_passes_over_the_matrix_and_odd_sizes),
+        cmocka_unit_test(null_backend_finds_each_fault),
+        cmocka_unit_test(null_backend_follows_history),
+        cmocka_unit_test(equal_configs_give_equal_bytes),
+        cmocka_unit_test(plan_names_stand_in_the_text),
+    };
+    return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
+}
