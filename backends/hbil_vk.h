@@ -91,7 +91,7 @@ typedef struct hbil_vk_spirv {
 
 /* Zero it first. */
 typedef struct hbil_vk_info {
-    VkInstance                   instance;
+    VkInstance                   instance;       /* made with apiVersion 1.1 or later */
     VkPhysicalDevice             physical_device;
     VkDevice                     device;
     uint32_t                     queue_family;   /* of the queue you submit to; has compute */
@@ -173,7 +173,7 @@ HBIL_VK_API hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx);
  * read). The same size again only takes the views and keeps history. Device idle, see Layouts and synchronisation. */
 HBIL_VK_API hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height,
                                           const VkImageView views[HBIL_MAX_TEXTURES]);
-/* Record all passes of one frame. Options made dynamic are read from frame->live. */
+/* Record all passes of one frame. Options made dynamic are read from frame->live. On failure nothing was recorded. */
 HBIL_VK_API hbil_vk_result hbil_vk_record(hbil_vk *ctx, VkCommandBuffer cmd, const hbil_frame *frame);
 /* Milliseconds of each pass of the last recording, after you waited for it; ms has plan->pass_count entries. Wait before you
  * record again: there is one set of timestamps. */
@@ -586,7 +586,7 @@ static void hbil_vk__write_set(hbil_vk *ctx, uint32_t p, uint32_t phase, const V
         const hbil_binding *binding = &pass->bindings[b];
         const uint32_t t = binding->texture, copies = hbil_vk__copies(ctx, t);
         images[b].sampler = ctx->sampler;
-        images[b].imageView = copies > 0 ? ctx->views[t][(phase + binding->age) % copies] : views[t];
+        images[b].imageView = copies > 0 ? ctx->views[t][(phase % copies + copies - binding->age) % copies] : views[t];
         images[b].imageLayout = ctx->plan.textures[t].life == HBIL_LIFE_INPUT ? ctx->input_layout : VK_IMAGE_LAYOUT_GENERAL;
         writes[b].dstBinding = binding->slot;
         writes[b].descriptorType = hbil_vk__descriptor_type(binding);

@@ -389,6 +389,9 @@ static void check_chunk(const chunk *c)
     if (depth) die(SOURCE, "%s.glsl: chunk %s: #if without #endif", c->file, c->name);
 }
 
+static char *glsl_files[16]; /* the chunks point into them */
+static int   glsl_file_count;
+
 static void load_glsl(const char *root, const char *file)
 {
     static const char mark[] = "//@ chunk ";
@@ -397,7 +400,9 @@ static void load_glsl(const char *root, const char *file)
     int line = 1;
     chunk *open = NULL;
     snprintf(path, sizeof path, "shadergen/glsl/%s.glsl", file);
-    for (s = read_file(root, path, NULL); *s; ++line) {
+    if (glsl_file_count == (int)COUNT(glsl_files)) die(SOURCE, "too many GLSL files: raise the size of glsl_files");
+    s = glsl_files[glsl_file_count++] = read_file(root, path, NULL);
+    for (; *s; ++line) {
         size_t len = strcspn(s, "\n");
         if (strncmp(s, mark, sizeof mark - 1) == 0) {
             size_t n = len - (sizeof mark - 1);
@@ -553,12 +558,16 @@ int main(int argc, char **argv)
         size_t size;
         char *in = read_file(root, targets[f], &size);
         text out = splice(targets[f], in, &seen);
-        if (out.size == size && memcmp(out.data, in, size) == 0) continue;
-        stale = 1;
-        if (check) fprintf(stderr, "embed: %s is out of step: run `cmake --build build --target embed`\n", targets[f]);
-        else write_file(root, targets[f], out.data, out.size), printf("embed: wrote %s\n", targets[f]);
+        if (out.size != size || memcmp(out.data, in, size)) {
+            stale = 1;
+            if (check) fprintf(stderr, "embed: %s is out of step: run `cmake --build build --target embed`\n", targets[f]);
+            else write_file(root, targets[f], out.data, out.size), printf("embed: wrote %s\n", targets[f]);
+        }
+        free(in);
+        free(out.data);
     }
     for (f = 0; f < COUNT(regions); ++f)
         if (!(seen & 1u << f)) die(SOURCE, "no file has the region %s", regions[f].name);
+    while (glsl_file_count) free(glsl_files[--glsl_file_count]);
     return check && stale ? STALE : DONE;
 }

@@ -149,27 +149,36 @@ static int same_on_disk(const output *o)
     return same;
 }
 
+/* Writes one output: to standard output, or to the temporary file, which is gone again after a failure. */
+static int write_one(const output *o, const char *temp)
+{
+    FILE *f = *temp ? fopen(temp, "wb") : stdout;
+    int ok = f && fwrite(o->data, 1, o->size, f) == o->size && fflush(f) == 0;
+    if (f && f != stdout) {
+        ok = fclose(f) == 0 && ok;
+        if (!ok) remove(temp);
+    }
+    return ok;
+}
+
+/* All temporary files first, then all renames: a full disk or a folder in the way leaves every old file as it was. */
 static int write_outputs(output *outputs, int count)
 {
-    char temp[1040];
-    int i;
-    for (i = 0; i < count; ++i) {
-        FILE *f = stdout;
-        int ok, fits = snprintf(temp, sizeof temp, "%s.tmp", outputs[i].path) < (int)sizeof temp;
-        if (strcmp(outputs[i].path, "-") && same_on_disk(&outputs[i])) continue;
-        if (strcmp(outputs[i].path, "-")) f = fits ? fopen(temp, "wb") : NULL;
-        ok = f && fwrite(outputs[i].data, 1, outputs[i].size, f) == outputs[i].size && fflush(f) == 0;
-        if (f && f != stdout) {
-            ok = fclose(f) == 0 && ok;
-            ok = ok && rename(temp, outputs[i].path) == 0;
-            if (!ok) remove(temp);
-        }
-        if (!ok) {
-            fprintf(stderr, "shadergen: cannot write %s: %s\n", outputs[i].path, strerror(errno));
-            return IO;
-        }
+    char temp[HBIL_MAX_PASSES][1040];
+    int i, made, bad = -1;
+    for (made = 0; made < count && bad < 0; ++made) {
+        int changed = strcmp(outputs[made].path, "-") == 0 || !same_on_disk(&outputs[made]);
+        temp[made][0] = 0;
+        if (changed && strcmp(outputs[made].path, "-")) strcat(strcpy(temp[made], outputs[made].path), ".tmp");
+        if (changed && !write_one(&outputs[made], temp[made])) bad = made, temp[made][0] = 0;
     }
-    return DONE;
+    for (i = 0; i < made && bad < 0; ++i)
+        if (temp[i][0] && rename(temp[i], outputs[i].path)) bad = i;
+    if (bad < 0) return DONE;
+    fprintf(stderr, "shadergen: cannot write %s: %s\n", outputs[bad].path, strerror(errno));
+    for (i = 0; i < made; ++i)
+        if (temp[i][0]) remove(temp[i]);
+    return IO;
 }
 
 /* ---------------------------------------------------------------------- outputs */
@@ -331,7 +340,7 @@ static int read_arguments(int argc, char **argv, int order, arguments *a, hbil_c
     return code;
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     hbil_config config;
     hbil_plan plan;
@@ -364,5 +373,15 @@ int main(int argc, char **argv)
     if (strcmp(a.format, "spirv") == 0 && !hbil_glslang_init()) return usage("glslang does not start", "");
     code = generate(&plan, &a);
     if (strcmp(a.format, "spirv") == 0) hbil_glslang_shutdown();
+    return code;
+}
+
+int main(int argc, char **argv)
+{
+    int code = run(argc, argv);
+    if (code == DONE && (fflush(stdout) != 0 || ferror(stdout))) {
+        fprintf(stderr, "shadergen: cannot write -: %s\n", strerror(errno));
+        code = IO;
+    }
     return code;
 }

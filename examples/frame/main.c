@@ -668,7 +668,7 @@ static int check_writable(session *s, const char *path, int folder)
     if (!slash) strcpy(parent, ".");
     else slash[slash == parent] = 0; /* keep the root's own slash */
     if (folder && stat(path, &info) == 0) strcpy(parent, path);
-    if (access(parent, W_OK) != 0)
+    if (stat(parent, &info) != 0 || !S_ISDIR(info.st_mode) || access(parent, W_OK) != 0)
         return frame_error(s->error, sizeof s->error,
                            "%s: folder %s is missing or cannot be written. Make it, or choose another path", path, parent);
     return 1;
@@ -744,5 +744,9 @@ int main(int argc, char **argv)
     }
     if (read_command_line(s, argc, argv, &code)) code = work(s);
     session_close(s);
+    if (code == DONE && (fflush(stdout) != 0 || ferror(stdout))) {
+        fputs("hbil-frame: cannot write standard output. Make room, or redirect it elsewhere\n", stderr);
+        code = FILES;
+    }
     return code;
 }

@@ -1,0 +1,67 @@
+# The front door: packages, configure, build, run. CMake is the build; nothing here is needed to use hbil.h.
+
+BUILD    ?= build
+JOBS     ?= $(shell nproc 2>/dev/null || echo 2)
+PACKAGES ?= sh packages.sh
+CMAKE    ?= cmake
+CTEST    ?= ctest
+
+# Ninja where it is, but never another generator than the one a build folder began with. Asked after the packages are in.
+CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
+COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
+
+.PHONY: help demo test embed bench clean
+
+help:
+	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
+	@echo 'make test    install lacking Debian packages, build, run every test; the last line counts passed, failed, skipped'
+	@echo 'make embed   write options.def, passes.def and glsl/ of shadergen/ into hbil.h and README.md'
+	@echo 'make bench   how long plans, texts, SPIR-V and compiling the header take, and how large they are'
+	@echo 'make clean   remove the build folders and out/demo'
+	@echo
+	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
+	@echo 'BUILD=DIR    build in DIR, instead of $(BUILD)'
+	@echo 'PACKAGES=:   leave the packages alone'
+	@echo
+	@echo 'To build with CMake alone: cmake --preset default && cmake --build --preset default && ctest --preset default'
+	@echo '(other presets: debug, sanitize)'
+
+# The tests need more packages than the demo. A folder that was made for them stays so, or CMake would clear its programs away.
+demo:
+	@$(PACKAGES) build
+	$(CONFIGURE) $$(test -e $(BUILD)/CMakeCache.txt || echo -DHBIL_BUILD_TESTS=OFF)
+	$(COMPILE) --target hbil-frame shadergen
+	@sh examples/frame/demo.sh $(BUILD)/bin/hbil-frame out/demo
+
+# LP_NUM_THREADS balances Mesa's software rasterisers; GPUs do not read it. Counted from the single results: the sums of
+# ctest's own file call a test "skipped" whose program is missing. Its exit code is kept.
+test:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE)
+	@rm -f $(BUILD)/tests.xml; code=0; \
+	LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(CTEST) --test-dir $(BUILD) --output-on-failure --no-tests=error \
+	    --parallel $(JOBS) --output-junit tests.xml || code=$$?; \
+	test -e $(BUILD)/tests.xml || { echo 'make test: ctest left no results'; exit 1; }; \
+	echo; \
+	awk '/<testcase /                               { ++all } \
+	     /<testcase .* status="run"/                { ++passed } \
+	     /<testcase .* status="disabled"/           { ++skipped } \
+	     /^[ \t]*<skipped message="SKIP_/           { ++skipped } \
+	     END { print passed + 0 " passed, " all - passed - skipped " failed, " skipped + 0 " skipped" }' $(BUILD)/tests.xml; \
+	exit $$code
+
+embed:
+	@$(PACKAGES) build
+	$(CONFIGURE) $$(test -e $(BUILD)/CMakeCache.txt || echo -DHBIL_BUILD_TESTS=OFF)
+	$(COMPILE) --target embed
+
+bench:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-bench
+	@$(BUILD)/bin/hbil-bench
+	@sh tests/bench/compile.sh
+
+clean:
+	rm -rf $(BUILD) build-debug build-sanitize out/demo

@@ -1,0 +1,63 @@
+#!/bin/sh
+# packages.sh - installs the Debian packages that are lacking.
+#
+#   sh packages.sh build     what shadergen and hbil-frame need, drivers included
+#   sh packages.sh test      that, and what the tests need
+#
+# Says what it installs; does nothing, and needs no rights, where nothing is lacking. Where dpkg and apt-get are missing it
+# prints the list and succeeds: the build will name what it does not find.
+set -eu
+
+# cmake runs ninja and, for the libraries, pkg-config; glslang's archives are C++, so g++ even for C programs.
+build='cmake ninja-build pkg-config gcc g++ libc6-dev'
+# text to SPIR-V, images, JSON, rays
+build="$build glslang-dev spirv-tools libopenexr-dev libcjson-dev libstb-dev libembree-dev"
+# Vulkan: headers, loader, meta loader, software driver
+build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
+# GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver
+build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
+# a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma
+test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales'
+
+case "${1-}" in
+    build) wanted=$build ;;
+    test)  wanted="$build $test" ;;
+    *)     echo "usage: sh packages.sh build|test" >&2; exit 2 ;;
+esac
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "packages: this is no Debian. Install what matches these Debian 12 packages, unless it is there already:"
+    echo "  $wanted"
+    exit 0
+fi
+
+lacking=
+for package in $wanted; do
+    status=$(dpkg-query -W -f='${db:Status-Status} ' "$package" 2>/dev/null) || status=
+    case " $status" in
+        *' installed '*) ;;
+        *) lacking="$lacking $package" ;;
+    esac
+done
+if [ -z "$lacking" ]; then
+    echo "packages: all there"
+    exit 0
+fi
+
+echo "packages: lacking:$lacking"
+if [ "$(id -u)" -eq 0 ]; then
+    root=
+elif command -v sudo >/dev/null; then
+    root=sudo
+else
+    echo "packages: neither root nor sudo. Have this run: apt-get install --no-install-recommends$lacking" >&2
+    exit 1
+fi
+
+# Another apt-get may be at work: wait for it. $root and $lacking are lists of words.
+apt() { $root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=120 -o Dpkg::Use-Pty=0 "$@"; }
+# shellcheck disable=SC2086
+if ! { apt update && apt install -y --no-install-recommends $lacking; }; then
+    echo "packages: apt-get failed, see above. If you have all of this by other means, leave the step out: make PACKAGES=: ..." >&2
+    exit 1
+fi

@@ -1,0 +1,256 @@
+#!/bin/sh
+# The command line of shadergen: exit codes, messages, and which files it touches.
+#
+#   sh tests/cli/shadergen.sh SHADERGEN
+#
+# A line per fault and a count at the end. Works as root, too: where a path must not be writable, a file is in its way.
+set -u
+
+if [ $# -ne 1 ] || [ ! -x "$1" ]; then
+    echo "usage: sh shadergen.sh SHADERGEN" >&2
+    exit 2
+fi
+bin=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
+work=$(mktemp -d) || exit 1
+mounted=
+cleanup() { [ -z "$mounted" ] || umount "$mounted"; rm -rf "$work"; }
+trap cleanup EXIT
+trap 'exit 1' HUP INT TERM
+cd "$work" || exit 1
+
+checks=0
+failed=0
+group=
+
+say()  { group=$1; }
+fault() { failed=$((failed + 1)); echo "FAIL  $group: $1"; }
+# Is the rest, a command, true?
+check() # WHAT COMMAND ...
+{
+    what=$1
+    shift
+    checks=$((checks + 1))
+    "$@" > check.log 2>&1 || { fault "$what"; sed 's/^/      /' check.log | head -5; }
+}
+# Runs shadergen into out.txt and err.txt, and checks its exit code.
+expect() # CODE ARGUMENT ...
+{
+    want=$1
+    shift
+    checks=$((checks + 1))
+    code=0
+    "$bin" "$@" > out.txt 2> err.txt < /dev/null || code=$?
+    [ "$code" -eq "$want" ] || { fault "exit code $code, not $want: shadergen $*"; sed 's/^/      /' err.txt | head -3; }
+}
+says()    { check "message has: $1" grep -qF -e "$1" err.txt; }
+silent()  { check "nothing on the error stream" test ! -s err.txt; }
+no_data() { check "nothing on the output" test ! -s out.txt; }
+same()    { check "$1 equals $2" cmp "$1" "$2"; }
+absent()  { check "$1 is not there" test ! -e "$1"; }
+no_temporaries() { check "no temporary file left in $1" test -z "$(find "$1" -name '*.tmp*' -type f)"; }
+
+say 'help'
+for arguments in '' -h --help; do
+    # shellcheck disable=SC2086
+    expect 0 $arguments
+    check 'usage on the output' grep -q '^usage: shadergen' out.txt
+    silent
+done
+expect 0 --version
+check 'version' grep -Eq '^shadergen [0-9]+\.[0-9]+\.[0-9]+$' out.txt
+expect 0 --list-options
+check 'lists an option' grep -q '^  slices ' out.txt
+check 'lists a preset' grep -q '^  fast ' out.txt
+expect 0 --explain reach
+check 'explains it' grep -q '^  unit *m$' out.txt
+
+say 'a config that is refused'
+expect 1 --set slices=99
+says 'slices=99: must be in [1, 64]'
+no_data
+expect 1 --set slices=99,reach=-1,no_such_option=1
+says 'slices=99'
+says 'reach=-1'
+says 'no_such_option'
+expect 1 --set slicse=4
+says 'did you mean slices?'
+expect 1 --preset balnced
+says 'did you mean balanced?'
+expect 1 --target vulcan
+says 'target=vulcan'
+expect 1 --set width=640
+says 'width and height'
+printf 'slices=3\nsteps=1000\n' > bad.hbil
+expect 1 -c bad.hbil -o refused/
+says 'bad.hbil'
+says '2'
+absent refused
+
+say 'wrong usage'
+expect 2 --nonsense
+says '--nonsense'
+says 'see shadergen --help'
+expect 2 march
+expect 2 --set=slices=4
+for flag in --set -c --config --preset --target --format --pass -o --output --explain; do
+    expect 2 $flag
+    says 'no value after'
+    expect 2 $flag ''
+done
+expect 2 --format hlsl
+says 'glsl, spirv or manifest'
+expect 2 --pass marhc
+says 'prepare march composite'
+expect 2 --explain slicse
+says 'did you mean slices?'
+expect 2 -o all.comp
+says 'several passes'
+absent all.comp
+expect 2 --format spirv
+no_data
+expect 2 --set outputs=ao --pass composite
+says 'this config has no pass composite'
+
+say 'what cannot be read or written'
+echo 'a file' > file
+expect 3 -c missing.hbil
+says 'missing.hbil'
+expect 3 -c .
+expect 3 --pass march -o file/march.comp
+says 'file/march.comp'
+expect 3 -o file/out/
+expect 3 --pass march -o missing/march.comp
+check 'the file in the way is as it was' grep -qx 'a file' file
+if [ -c /dev/full ]; then
+    for arguments in '--pass march' '--format manifest' --print-config --list-options '--explain slices' --help --version; do
+        checks=$((checks + 1))
+        code=0
+        # shellcheck disable=SC2086
+        "$bin" $arguments > /dev/full 2> err.txt || code=$?
+        [ $code -eq 3 ] || fault "exit code $code, not 3, with a full disk as output: shadergen $arguments"
+    done
+fi
+checks=$((checks + 1))
+code=0
+"$bin" --pass march >&- 2> err.txt || code=$?
+[ $code -eq 3 ] || fault "exit code $code, not 3, with the output closed"
+
+say 'an output pipe that nobody reads'
+# 141: ended by the signal, as programs in a pipe are.
+{ sleep 0.3; "$bin" --pass march 2> err.txt; echo $? > code.txt; } | :
+check 'ended by the signal, or code 3' grep -Eqx '141|3' code.txt
+(trap '' PIPE; { sleep 0.3; "$bin" --pass march 2> err.txt; echo $? > code.txt; } | :)
+check 'code 3 where the signal is ignored' grep -qx 3 code.txt
+
+say 'outputs'
+expect 0 -o all/
+silent
+no_data
+check 'three texts' test "$(find all -type f | sort | tr '\n' ' ')" = 'all/composite.comp all/march.comp all/prepare.comp '
+for pass in prepare march composite; do
+    expect 0 --pass $pass
+    cp out.txt printed
+    same printed all/$pass.comp
+    expect 0 --pass $pass -o one.comp
+    same one.comp all/$pass.comp
+    expect 0 --pass $pass -o -
+    same out.txt all/$pass.comp
+    absent ./-
+    check 'begins with #version' sh -c "head -n 1 all/$pass.comp | grep -q '^#version 450$'"
+    check 'no carriage return, tab or non-ASCII letter' sh -c "! LC_ALL=C grep -q '[^ -~]' all/$pass.comp"
+done
+expect 0 -o -
+cat all/prepare.comp all/march.comp all/composite.comp > joined
+same out.txt joined
+expect 0 --format spirv -o spirv/
+for pass in prepare march composite; do
+    check "SPIR-V magic of $pass" test "$(od -An -tx4 -N4 spirv/$pass.spv | tr -d ' ')" = 07230203
+done
+expect 0 --format spirv --pass march -o -
+same out.txt spirv/march.spv
+expect 0 --format manifest -o all/
+expect 0 --format manifest
+same out.txt all/plan.json
+check 'manifest is an object' sh -c "head -c 1 all/plan.json | grep -q '{'"
+no_temporaries all
+
+say 'unchanged outputs'
+touch -t 200101020000 reference
+touch -t 200101010000 all/*.comp
+expect 0 -o all/
+for pass in prepare march composite; do check "$pass.comp keeps its time" test ! all/$pass.comp -nt reference; done
+expect 0 --set slices=5 -o all/
+for pass in prepare march composite; do check "$pass.comp, which changed, is new" test all/$pass.comp -nt reference; done
+
+say 'all outputs or none'
+cp -r all before
+mkdir all/composite.comp.tmp # in the way of the last temporary file
+expect 3 --set slices=6,outputs=near+composite,depth=device -o all/
+rmdir all/composite.comp.tmp
+for pass in prepare march composite; do same all/$pass.comp before/$pass.comp; done
+no_temporaries all
+
+say 'a full disk'
+mkdir disk
+if mount -t tmpfs -o size=8k tmpfs disk 2> /dev/null; then
+    mounted=$work/disk
+    echo 'old' > disk/march.comp
+    expect 3 --pass march -o disk/march.comp
+    check 'the old file is whole' grep -qx old disk/march.comp
+    no_temporaries disk
+    umount disk && mounted=
+else
+    echo "skip  $group: no tmpfs can be mounted here"
+fi
+
+say 'where a config comes from'
+printf '# ours\nslices=4 steps=5 # both\nreach=2.5\n' > a.hbil
+printf 'steps=7\n' > b.hbil
+has() { check "config has $1" grep -qx "$1" out.txt; }
+expect 0 -c a.hbil --print-config
+has slices=4; has steps=5; has reach=2.5
+expect 0 -c a.hbil -c b.hbil --print-config
+has slices=4; has steps=7
+expect 0 --set slices=9 -c a.hbil --preset fast --print-config
+has slices=9; has steps=5
+expect 0 --preset fast --print-config
+has slices=2; has steps=4
+expect 0 --target gl --print-config
+has target=gl
+"$bin" -c a.hbil --pass march > from_file
+checks=$((checks + 1))
+"$bin" -c - --pass march < a.hbil > from_stdin || fault 'config from standard input'
+same from_file from_stdin
+expect 0 --set falloff=0.5 --pass march
+silent
+expect 0 --set falloff=0.5 --pass march -v
+says 'falloff has no effect'
+
+say 'round trips'
+# A text tells how it was made; a printed config is a config.
+for config in '' slices=4 'target=gl,outputs=ao+near+bent+composite' 'reach=2.5,falloff=0.35,dynamic=slices+reach' \
+    'normals=depth,depth=device,depth_direction=reversed,depth_far=infinite' 'width=1920,height=1080,noise=ign,bias=0.0123' \
+    'seed_compat=screen_azimuth+slice_mean,spacing=geometric,pull=1.25e-6' 'outputs=ao,projection=orthographic'; do
+    group="round trips of '$config'"
+    rm -rf made
+    expect 0 ${config:+--set "$config"} -o made/
+    for text in made/*.comp; do
+        line=$(sed -n 's,^// rebuild  *: shadergen ,,p' "$text")
+        check "$text has a rebuild line" test -n "$line"
+        # shellcheck disable=SC2086
+        expect 0 $line
+        same out.txt "$text"
+    done
+    expect 0 ${config:+--set "$config"} --print-config
+    cp out.txt printed.hbil
+    expect 0 -c printed.hbil --print-config
+    same out.txt printed.hbil
+    expect 0 -c printed.hbil --pass march
+    same out.txt made/march.comp
+done
+
+say 'a text that glslang refuses (exit code 4)'
+echo "skip  $group: no config leads there"
+
+echo "shadergen: $checks checks, $failed failed"
+[ $failed -eq 0 ]

@@ -1,0 +1,34 @@
+#!/bin/sh
+# run.sh ROOT BIN - what README.md shows is true: every ```c block compiles without a warning, links and runs; every
+# ```console block prints what stands below its `$ ` line; every local link leads to a file.
+set -u
+root=$1 bin=$2 failed=0
+temp=$(mktemp -d) || exit 1
+trap 'rm -rf "$temp"' EXIT
+flags="-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wundef -Wdouble-promotion -Werror"
+
+say() { printf '%-6s %s\n' "$1" "$2"; [ "$1" = ok ] || failed=1; }
+
+awk -v dir="$temp" '/^```c$/ { n++; on = 1; next } /^```/ { on = 0 } on { print > (dir "/" n ".c") }' "$root/README.md"
+awk -v dir="$temp" '/^```console$/ { n++; on = 1; next } /^```/ { on = 0 } on { print > (dir "/" n ".console") }' "$root/README.md"
+
+for source in "$temp"/*.c; do
+    # shellcheck disable=SC2086
+    if cc $flags -I"$root" "$source" -o "$temp/program" && "$temp/program" > "$temp/output" && [ -s "$temp/output" ]; then
+        say ok "C block $(basename "$source" .c): $(wc -l < "$temp/output") lines printed"
+    else
+        say FAILED "C block $(basename "$source" .c)"
+    fi
+done
+for block in "$temp"/*.console; do
+    command=$(sed -n 's/^\$ //p' "$block")
+    sed 1d "$block" > "$temp/expected"
+    PATH=$bin:$PATH sh -c "$command" | head -n "$(wc -l < "$temp/expected")" > "$temp/output"
+    if diff "$temp/expected" "$temp/output"; then say ok "$command"; else say FAILED "$command"; fi
+done
+for page in README.md backends/README.md; do
+    for link in $(grep -o '](\([^)]*\))' "$root/$page" | sed 's/^](//; s/)$//; s/#.*//' | sort -u); do
+        [ -e "$root/$(dirname "$page")/$link" ] || say FAILED "$page: no file $link"
+    done
+done
+exit $failed
