@@ -120,6 +120,7 @@ typedef enum hbil_result { HBIL_RESULTS(HBIL__RESULT_ENUM) HBIL_RESULT_COUNT } h
 /* <<gen enums      written by `cmake --build build --target embed` from the tables: do not edit */
 typedef enum hbil_target { HBIL_TARGET_VULKAN = 1, HBIL_TARGET_GL } hbil_target;
 typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_NEAR = 0x2, HBIL_OUTPUTS_BENT = 0x4, HBIL_OUTPUTS_COMPOSITE = 0x8 } hbil_outputs;
+typedef enum hbil_sampling { HBIL_SAMPLING_NEAREST = 1, HBIL_SAMPLING_BILINEAR } hbil_sampling;
 typedef enum hbil_spacing { HBIL_SPACING_POWER = 1, HBIL_SPACING_GEOMETRIC } hbil_spacing;
 typedef enum hbil_noise { HBIL_NOISE_NONE = 1, HBIL_NOISE_IGN, HBIL_NOISE_HILBERT_R2 } hbil_noise;
 typedef enum hbil_projection { HBIL_PROJECTION_PERSPECTIVE = 1, HBIL_PROJECTION_ORTHOGRAPHIC } hbil_projection;
@@ -155,8 +156,10 @@ typedef struct hbil_config {
     uint32_t outputs;
     /* two-sided slices per pixel, uniform around the local view vector. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 2.1 */
     int32_t slices;
-    /* depth samples per side of a slice. count, [1, 256], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.3 */
+    /* depth samples per side of a slice. count, [1, 1024], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.3 */
     int32_t steps;
+    /* surface that the samples see: nearest pixel centre, or exactly on the slice, bilinear between four centres. {nearest, bilinear}, default nearest. baked. source: project */
+    int32_t sampling;
     /* distances of the samples: 1 + t^exponent (R - 1) pixels, or R^t. {power, geometric}, default power. baked. source: measured on frames */
     int32_t spacing;
     /* convergence exponent: how much the samples crowd around the pixel. 1, [1, 8], default 2. baked or dynamic. source: YPipeline HBIL article */
@@ -400,7 +403,12 @@ static const hbil_option hbil__options[] = {
       "",
       "depth samples per side of a slice",
       "Mayaux 2018 sec. 3.3",
-      HBIL_KIND_INT, HBIL_DYNAMIC_STEPS, (uint32_t)offsetof(hbil_config, steps), 1, 256, 6 },
+      HBIL_KIND_INT, HBIL_DYNAMIC_STEPS, (uint32_t)offsetof(hbil_config, steps), 1, 1024, 6 },
+    { "sampling", "", "nearest bilinear",
+      "",
+      "surface that the samples see: nearest pixel centre, or exactly on the slice, bilinear between four centres",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, sampling), 1, 2, 1 },
     { "spacing", "", "power geometric",
       "",
       "distances of the samples: 1 + t^exponent (R - 1) pixels, or R^t",
@@ -496,7 +504,7 @@ static const struct { const char *name, *config, *meaning; } hbil__presets[] = {
     { "fast", "slices=2 steps=4", "for weak GPUs; noisy without a filter" },
     { "balanced", "", "the defaults" },
     { "quality", "slices=6 steps=12", "four times the samples of balanced" },
-    { "reference", "slices=32 steps=128", "converged to about 0.02; for comparisons, not for games" },
+    { "reference", "slices=64 steps=256 sampling=bilinear", "close to the surface's exact light; for comparisons, not for games" },
 };
 /* >>gen options */
 
@@ -596,6 +604,24 @@ static const char hbil__glsl_common_hbil_position[] =
 "    return vec3(ray, z);\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_common_hbil_nearness[] =
+"// The quantity that is linear on the screen for every plane; larger is nearer.\n"
+"float hbil_nearness(float z) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return 1.0 / z;\n"
+"#else\n"
+"    return -z;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_common_hbil_depth_of[] =
+"// View depth of a nearness. m\n"
+"float hbil_depth_of(float nearness) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return 1.0 / nearness;\n"
+"#else\n"
+"    return -nearness;\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_common_hbil_view_vector[] =
 "// Unit vector from the surface seen at a pixel position to the eye. From the pixel alone: exact at any depth.\n"
 "vec3 hbil_view_vector(vec2 pixel) {\n"
@@ -665,26 +691,17 @@ static const char hbil__glsl_prepare_hbil_load_normal[] =
 "}\n"
 "#endif\n";
 static const char hbil__glsl_prepare_hbil_neighbour[] =
-"// The quantity that is linear on the screen for every plane: 1/depth, or depth itself without perspective.\n"
-"// -1e30 outside the screen and on the sky.\n"
+"// Nearness at a pixel; -1e30 outside the screen and on the sky.\n"
 "float hbil_neighbour(ivec2 p) {\n"
 "    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;\n"
 "    float z = hbil_view_depth(p);\n"
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    return z < HBIL_SKY ? 1.0 / z : -1e30;\n"
-"#else\n"
-"    return z < HBIL_SKY ? z : -1e30;\n"
-"#endif\n"
+"    return z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_tangent[] =
 "// Surface tangent along one screen axis: towards the side whose two pixels lie straighter in line with this one, so\n"
 "// that a silhouette or a crease beside the pixel is not averaged in.\n"
 "vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {\n"
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    float here = 1.0 / z;\n"
-"#else\n"
-"    float here = z;\n"
-"#endif\n"
+"    float here = hbil_nearness(z);\n"
 "    float left = hbil_neighbour(p - axis);\n"
 "    float right = hbil_neighbour(p + axis);\n"
 "    float bend_left = abs(2.0 * left - hbil_neighbour(p - 2 * axis) - here);\n"
@@ -695,11 +712,7 @@ static const char hbil__glsl_prepare_hbil_tangent[] =
 "    float there = side < 0.0 ? left : right;\n"
 "    if (lost_left && lost_right) there = here;\n"
 "    vec2 q = vec2(p) + 0.5 + side * vec2(axis);\n"
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    return side * (hbil_position(q, 1.0 / there) - hbil_position(vec2(p) + 0.5, z));\n"
-"#else\n"
-"    return side * (hbil_position(q, there) - hbil_position(vec2(p) + 0.5, z));\n"
-"#endif\n"
+"    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(vec2(p) + 0.5, z));\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_view_normal[] =
 "// Unit normal in view space, z into the screen. A normal that is zero, infinite or NaN is replaced by the view vector.\n"
@@ -777,23 +790,29 @@ static const char hbil__glsl_march_hbil_noise[] =
 "}\n";
 static const char hbil__glsl_march_hbil_arc[] =
 "// G(c) = acos(c) - c sqrt(1 - c c): twice the integral of sin^2 from the view vector to the horizon, c in [-1, 1].\n"
-"// Error 8e-5, monotone, so that no increment below is negative.\n"
+"// Error 8e-5, monotone: no increment below is negative by more than rounding.\n"
 "float hbil_arc(float c) {\n"
 "    float a = abs(c);\n"
 "    float g = (1.0 - a) * sqrt(1.0 - a) * (1.570796327 + a * (0.354230314 - 0.042259066 * a));\n"
 "    return c < 0.0 ? HBIL_PI - g : g;\n"
 "}\n";
+static const char hbil__glsl_march_HBIL_STRIDE[] =
+"#if HBIL_SAMPLING_BILINEAR\n"
+"const float HBIL_STRIDE = 0.25; // first sample, and least distance of two samples. pixels\n"
+"#else\n"
+"const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels\n"
+"#endif\n";
 static const char hbil__glsl_march_hbil_offset[] =
-"// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, 1 at t = 0\n"
+"// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, HBIL_STRIDE at t = 0\n"
 "float hbil_offset(float t, float reach_px) {\n"
 "#if HBIL_SPACING_GEOMETRIC\n"
-"    return exp2(t * log2(max(reach_px, 1.0)));\n"
+"    return HBIL_STRIDE * exp2(t * log2(max(reach_px / HBIL_STRIDE, 1.0)));\n"
 "#elif HBIL_EXPONENT_1\n"
-"    return 1.0 + t * (reach_px - 1.0);\n"
+"    return HBIL_STRIDE + t * (reach_px - HBIL_STRIDE);\n"
 "#elif HBIL_EXPONENT_2\n"
-"    return 1.0 + t * t * (reach_px - 1.0);\n"
+"    return HBIL_STRIDE + t * t * (reach_px - HBIL_STRIDE);\n"
 "#else\n"
-"    return 1.0 + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - 1.0);\n"
+"    return HBIL_STRIDE + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - HBIL_STRIDE);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_march_hbil_border[] =
@@ -822,9 +841,11 @@ static const char hbil__glsl_march_hbil_receiver[] =
 "    ivec2 pixel;\n"
 "    vec3 position; // pulled towards the camera\n"
 "    vec3 v;        // to the eye\n"
-"    vec3 n;        // n.v >= 0.05\n"
+"    vec3 n;        // n.v >= HBIL_FACING\n"
 "    float ny;      // n.v, the same in every slice\n"
 "};\n";
+static const char hbil__glsl_march_HBIL_FACING[] =
+"const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes\n";
 static const char hbil__glsl_march_hbil_receive[] =
 "// A shading normal may face away from the eye (interpolated, bumped): it is bent back until it does not, since the\n"
 "// horizons of a slice then lie on both sides of V, which all closed forms below rely on.\n"
@@ -835,19 +856,72 @@ static const char hbil__glsl_march_hbil_receive[] =
 "    r.v = hbil_view_vector(vec2(p) + 0.5);\n"
 "    r.n = hbil_load_normal(p);\n"
 "    r.ny = dot(r.n, r.v);\n"
-"    if (r.ny < 0.05) {\n"
-"        r.n = normalize(r.n + (0.05 - r.ny) * r.v);\n"
+"    if (r.ny < HBIL_FACING) {\n"
+"        r.n = normalize(r.n + (HBIL_FACING - r.ny) * r.v);\n"
 "        r.ny = dot(r.n, r.v);\n"
 "    }\n"
 "    return r;\n"
 "}\n";
+static const char hbil__glsl_march_hbil_surface_depth[] =
+"#if HBIL_SAMPLING_BILINEAR\n"
+"// Depth of the surface between four pixel centres: bilinear in nearness, so that planes are exact. HBIL_SKY where a\n"
+"// corner is sky or off the screen.\n"
+"float hbil_surface_depth(vec2 pixel) {\n"
+"    ivec2 p = ivec2(floor(pixel - 0.5));\n"
+"    vec2 f = pixel - 0.5 - vec2(p);\n"
+"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p + 1, HBIL_SIZE))) return HBIL_SKY;\n"
+"    vec4 z = vec4(hbil_load_depth(p), hbil_load_depth(p + ivec2(1, 0)),\n"
+"        hbil_load_depth(p + ivec2(0, 1)), hbil_load_depth(p + ivec2(1, 1)));\n"
+"    if (max(max(z.x, z.y), max(z.z, z.w)) >= HBIL_SKY) return HBIL_SKY;\n"
+"    return hbil_depth_of(mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), f.x),\n"
+"        mix(hbil_nearness(z.z), hbil_nearness(z.w), f.x), f.y));\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_arc_light[] =
+"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
+"// Light of the pixel q through the arc between the horizons c and c_sample >= c.\n"
+"vec3 hbil_arc_light(ivec2 q, float nx, float ny, float c, float c_sample) {\n"
+"    float w = 0.5 * (nx * (hbil_arc(c) - hbil_arc(c_sample)) + ny * (c_sample - c) * (c_sample + c));\n"
+"    return max(w, 0.0) * hbil_load_radiance(q);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_corner_light[] =
+"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
+"// Light of one corner of the cell around a sample: it stands in front of the rays from c up to its own height, the\n"
+"// nearest to the eye (depth z_top) in front of all. Moves c there.\n"
+"vec3 hbil_corner_light(hbil_receiver r, vec2 pixel, ivec2 q, float z_top, float nx, float c_sample, inout float c) {\n"
+"    float z = hbil_load_depth(q);\n"
+"    vec3 h = hbil_position(pixel, z) - r.position;\n"
+"    float low = c;\n"
+"    c = z <= z_top ? c_sample : clamp(dot(h, r.v) * inversesqrt(max(dot(h, h), 1e-30)), c, c_sample);\n"
+"    return hbil_arc_light(q, nx, r.ny, low, c);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_cell_light[] =
+"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
+"// Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that\n"
+"// stand in front of it.\n"
+"vec3 hbil_cell_light(hbil_receiver r, vec2 pixel, float nx, float c, float c_sample) {\n"
+"    ivec2 q = ivec2(floor(pixel));\n"
+"    vec2 f = pixel - floor(pixel) - 0.5;\n"
+"    ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);\n"
+"    ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);\n"
+"    ivec2 second = abs(f.x) > abs(f.y) ? x : y;\n"
+"    float z_top = min(min(hbil_load_depth(q), hbil_load_depth(q + x)),\n"
+"        min(hbil_load_depth(q + y), hbil_load_depth(q + x + y)));\n"
+"    vec3 light = hbil_corner_light(r, pixel, q, z_top, nx, c_sample, c);\n"
+"    light += hbil_corner_light(r, pixel, q + second, z_top, nx, c_sample, c);\n"
+"    light += hbil_corner_light(r, pixel, q + x + y - second, z_top, nx, c_sample, c);\n"
+"    light += hbil_corner_light(r, pixel, q + x + y, z_top, nx, c_sample, c);\n"
+"    return light;\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_march_hbil_horizon[] =
 "// Highest horizon on one side of a slice. d: unit direction on the screen, reach_px: pixels to search, nx: normal along\n"
 "// this side, c: horizon of the tangent plane, where the search starts. Each rise adds the light of the arc that the\n"
 "// sample fills.\n"
 "#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
 "float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c, inout vec3 near) {\n"
-"    float g = hbil_arc(c);\n"
 "#else\n"
 "float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c) {\n"
 "#endif\n"
@@ -856,13 +930,20 @@ static const char hbil__glsl_march_hbil_horizon[] =
 "#endif\n"
 "    float offset = 0.0;\n"
 "    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
-"        // never the receiver's own pixel, never one pixel twice\n"
-"        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + 1.0);\n"
+"        // never the receiver itself, never one place twice\n"
+"        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + HBIL_STRIDE);\n"
+"        if (offset > reach_px) break;\n"
+"#if HBIL_SAMPLING_BILINEAR\n"
+"        vec2 pixel = vec2(r.pixel) + 0.5 + offset * d;\n"
+"        float z = hbil_surface_depth(pixel);\n"
+"#else\n"
 "        ivec2 q = r.pixel + ivec2(floor(offset * d + 0.5));\n"
-"        if (offset > reach_px || any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;\n"
+"        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;\n"
+"        vec2 pixel = vec2(q) + 0.5;\n"
 "        float z = hbil_load_depth(q);\n"
+"#endif\n"
 "        if (z >= HBIL_SKY) continue;\n"
-"        vec3 h = hbil_position(vec2(q) + 0.5, z) - r.position;\n"
+"        vec3 h = hbil_position(pixel, z) - r.position;\n"
 "        float l2 = max(dot(h, h), 1e-30);\n"
 "        float inv = inversesqrt(l2);\n"
 "        // at silhouettes h is nearly parallel to v and rounding takes the cosine above 1\n"
@@ -874,10 +955,11 @@ static const char hbil__glsl_march_hbil_horizon[] =
 "#endif\n"
 "        if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {\n"
 "#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"            float g_sample = hbil_arc(c_sample);\n"
-"            float w = 0.5 * (nx * (g - g_sample) + r.ny * (c_sample - c) * (c_sample + c));\n"
-"            near += max(w, 0.0) * hbil_load_radiance(q);\n"
-"            g = g_sample;\n"
+"#if HBIL_SAMPLING_BILINEAR\n"
+"            near += hbil_cell_light(r, pixel, nx, c, c_sample);\n"
+"#else\n"
+"            near += hbil_arc_light(q, nx, r.ny, c, c_sample);\n"
+"#endif\n"
 "#endif\n"
 "            c = c_sample;\n"
 "        }\n"
@@ -1024,6 +1106,8 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
     { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
     { "hbil_position", "common", hbil__glsl_common_hbil_position },
+    { "hbil_nearness", "common", hbil__glsl_common_hbil_nearness },
+    { "hbil_depth_of", "common", hbil__glsl_common_hbil_depth_of },
     { "hbil_view_vector", "common", hbil__glsl_common_hbil_view_vector },
     { "hbil_finite", "common", hbil__glsl_common_hbil_finite },
     { "hbil_encode_normal", "common", hbil__glsl_common_hbil_encode_normal },
@@ -1043,11 +1127,17 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_gradient", "march", hbil__glsl_march_hbil_gradient },
     { "hbil_noise", "march", hbil__glsl_march_hbil_noise },
     { "hbil_arc", "march", hbil__glsl_march_hbil_arc },
+    { "HBIL_STRIDE", "march", hbil__glsl_march_HBIL_STRIDE },
     { "hbil_offset", "march", hbil__glsl_march_hbil_offset },
     { "hbil_border", "march", hbil__glsl_march_hbil_border },
     { "hbil_reach", "march", hbil__glsl_march_hbil_reach },
     { "hbil_receiver", "march", hbil__glsl_march_hbil_receiver },
+    { "HBIL_FACING", "march", hbil__glsl_march_HBIL_FACING },
     { "hbil_receive", "march", hbil__glsl_march_hbil_receive },
+    { "hbil_surface_depth", "march", hbil__glsl_march_hbil_surface_depth },
+    { "hbil_arc_light", "march", hbil__glsl_march_hbil_arc_light },
+    { "hbil_corner_light", "march", hbil__glsl_march_hbil_corner_light },
+    { "hbil_cell_light", "march", hbil__glsl_march_hbil_cell_light },
     { "hbil_horizon", "march", hbil__glsl_march_hbil_horizon },
     { "hbil_bent", "march", hbil__glsl_march_hbil_bent },
     { "hbil_lighting", "march", hbil__glsl_march_hbil_lighting },
@@ -2379,6 +2469,9 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
         hbil__say(diags, HBIL_ERROR, hbil_option_find("width", 5, NULL), "width and height are baked together", "; set both or neither");
         result = HBIL_E_CONFIG;
     }
+    if (c.slices * c.steps > 32000) /* two sides; gallivm counts the iterations of all loops of an invocation */
+        hbil__say(diags, HBIL_WARNING, hbil_option_find("steps", 5, NULL), "slices * steps is above 32000",
+                  ": Mesa's software rasterisers stop a shader after 65535 iterations");
     if ((c.dynamic & HBIL_DYNAMIC_REACH) && c.reach == 0) {
         hbil__say(diags, HBIL_ERROR, hbil_option_find("dynamic", 7, NULL), "dynamic=reach: the whole screen (reach=0) has no radius to vary",
                   "; set reach to its first value in m");

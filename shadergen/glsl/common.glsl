@@ -17,6 +17,26 @@ vec3 hbil_position(vec2 pixel, float z) {
 #endif
 }
 
+//@ chunk hbil_nearness
+// The quantity that is linear on the screen for every plane; larger is nearer.
+float hbil_nearness(float z) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    return 1.0 / z;
+#else
+    return -z;
+#endif
+}
+
+//@ chunk hbil_depth_of
+// View depth of a nearness. m
+float hbil_depth_of(float nearness) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    return 1.0 / nearness;
+#else
+    return -nearness;
+#endif
+}
+
 //@ chunk hbil_view_vector
 // Unit vector from the surface seen at a pixel position to the eye. From the pixel alone: exact at any depth.
 vec3 hbil_view_vector(vec2 pixel) {

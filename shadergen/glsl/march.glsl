@@ -62,24 +62,31 @@ vec2 hbil_noise(ivec2 p) {
 
 //@ chunk hbil_arc
 // G(c) = acos(c) - c sqrt(1 - c c): twice the integral of sin^2 from the view vector to the horizon, c in [-1, 1].
-// Error 8e-5, monotone, so that no increment below is negative.
+// Error 8e-5, monotone: no increment below is negative by more than rounding.
 float hbil_arc(float c) {
     float a = abs(c);
     float g = (1.0 - a) * sqrt(1.0 - a) * (1.570796327 + a * (0.354230314 - 0.042259066 * a));
     return c < 0.0 ? HBIL_PI - g : g;
 }
 
+//@ chunk HBIL_STRIDE
+#if HBIL_SAMPLING_BILINEAR
+const float HBIL_STRIDE = 0.25; // first sample, and least distance of two samples. pixels
+#else
+const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels
+#endif
+
 //@ chunk hbil_offset
-// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, 1 at t = 0
+// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, HBIL_STRIDE at t = 0
 float hbil_offset(float t, float reach_px) {
 #if HBIL_SPACING_GEOMETRIC
-    return exp2(t * log2(max(reach_px, 1.0)));
+    return HBIL_STRIDE * exp2(t * log2(max(reach_px / HBIL_STRIDE, 1.0)));
 #elif HBIL_EXPONENT_1
-    return 1.0 + t * (reach_px - 1.0);
+    return HBIL_STRIDE + t * (reach_px - HBIL_STRIDE);
 #elif HBIL_EXPONENT_2
-    return 1.0 + t * t * (reach_px - 1.0);
+    return HBIL_STRIDE + t * t * (reach_px - HBIL_STRIDE);
 #else
-    return 1.0 + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - 1.0);
+    return HBIL_STRIDE + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - HBIL_STRIDE);
 #endif
 }
 
@@ -111,9 +118,12 @@ struct hbil_receiver {
     ivec2 pixel;
     vec3 position; // pulled towards the camera
     vec3 v;        // to the eye
-    vec3 n;        // n.v >= 0.05
+    vec3 n;        // n.v >= HBIL_FACING
     float ny;      // n.v, the same in every slice
 };
+
+//@ chunk HBIL_FACING
+const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes
 
 //@ chunk hbil_receive
 // A shading normal may face away from the eye (interpolated, bumped): it is bent back until it does not, since the
@@ -125,12 +135,70 @@ hbil_receiver hbil_receive(ivec2 p, float z) {
     r.v = hbil_view_vector(vec2(p) + 0.5);
     r.n = hbil_load_normal(p);
     r.ny = dot(r.n, r.v);
-    if (r.ny < 0.05) {
-        r.n = normalize(r.n + (0.05 - r.ny) * r.v);
+    if (r.ny < HBIL_FACING) {
+        r.n = normalize(r.n + (HBIL_FACING - r.ny) * r.v);
         r.ny = dot(r.n, r.v);
     }
     return r;
 }
+
+//@ chunk hbil_surface_depth
+#if HBIL_SAMPLING_BILINEAR
+// Depth of the surface between four pixel centres: bilinear in nearness, so that planes are exact. HBIL_SKY where a
+// corner is sky or off the screen.
+float hbil_surface_depth(vec2 pixel) {
+    ivec2 p = ivec2(floor(pixel - 0.5));
+    vec2 f = pixel - 0.5 - vec2(p);
+    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p + 1, HBIL_SIZE))) return HBIL_SKY;
+    vec4 z = vec4(hbil_load_depth(p), hbil_load_depth(p + ivec2(1, 0)),
+        hbil_load_depth(p + ivec2(0, 1)), hbil_load_depth(p + ivec2(1, 1)));
+    if (max(max(z.x, z.y), max(z.z, z.w)) >= HBIL_SKY) return HBIL_SKY;
+    return hbil_depth_of(mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), f.x),
+        mix(hbil_nearness(z.z), hbil_nearness(z.w), f.x), f.y));
+}
+#endif
+
+//@ chunk hbil_arc_light
+#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE
+// Light of the pixel q through the arc between the horizons c and c_sample >= c.
+vec3 hbil_arc_light(ivec2 q, float nx, float ny, float c, float c_sample) {
+    float w = 0.5 * (nx * (hbil_arc(c) - hbil_arc(c_sample)) + ny * (c_sample - c) * (c_sample + c));
+    return max(w, 0.0) * hbil_load_radiance(q);
+}
+#endif
+
+//@ chunk hbil_corner_light
+#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
+// Light of one corner of the cell around a sample: it stands in front of the rays from c up to its own height, the
+// nearest to the eye (depth z_top) in front of all. Moves c there.
+vec3 hbil_corner_light(hbil_receiver r, vec2 pixel, ivec2 q, float z_top, float nx, float c_sample, inout float c) {
+    float z = hbil_load_depth(q);
+    vec3 h = hbil_position(pixel, z) - r.position;
+    float low = c;
+    c = z <= z_top ? c_sample : clamp(dot(h, r.v) * inversesqrt(max(dot(h, h), 1e-30)), c, c_sample);
+    return hbil_arc_light(q, nx, r.ny, low, c);
+}
+#endif
+
+//@ chunk hbil_cell_light
+#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
+// Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that
+// stand in front of it.
+vec3 hbil_cell_light(hbil_receiver r, vec2 pixel, float nx, float c, float c_sample) {
+    ivec2 q = ivec2(floor(pixel));
+    vec2 f = pixel - floor(pixel) - 0.5;
+    ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);
+    ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);
+    ivec2 second = abs(f.x) > abs(f.y) ? x : y;
+    float z_top = min(min(hbil_load_depth(q), hbil_load_depth(q + x)),
+        min(hbil_load_depth(q + y), hbil_load_depth(q + x + y)));
+    vec3 light = hbil_corner_light(r, pixel, q, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, pixel, q + second, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, pixel, q + x + y - second, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, pixel, q + x + y, z_top, nx, c_sample, c);
+    return light;
+}
+#endif
 
 //@ chunk hbil_horizon
 // Highest horizon on one side of a slice. d: unit direction on the screen, reach_px: pixels to search, nx: normal along
@@ -138,7 +206,6 @@ hbil_receiver hbil_receive(ivec2 p, float z) {
 // sample fills.
 #if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE
 float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c, inout vec3 near) {
-    float g = hbil_arc(c);
 #else
 float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c) {
 #endif
@@ -147,13 +214,20 @@ float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float 
 #endif
     float offset = 0.0;
     for (int i = 0; i < HBIL_STEPS; ++i) {
-        // never the receiver's own pixel, never one pixel twice
-        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + 1.0);
+        // never the receiver itself, never one place twice
+        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + HBIL_STRIDE);
+        if (offset > reach_px) break;
+#if HBIL_SAMPLING_BILINEAR
+        vec2 pixel = vec2(r.pixel) + 0.5 + offset * d;
+        float z = hbil_surface_depth(pixel);
+#else
         ivec2 q = r.pixel + ivec2(floor(offset * d + 0.5));
-        if (offset > reach_px || any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;
+        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;
+        vec2 pixel = vec2(q) + 0.5;
         float z = hbil_load_depth(q);
+#endif
         if (z >= HBIL_SKY) continue;
-        vec3 h = hbil_position(vec2(q) + 0.5, z) - r.position;
+        vec3 h = hbil_position(pixel, z) - r.position;
         float l2 = max(dot(h, h), 1e-30);
         float inv = inversesqrt(l2);
         // at silhouettes h is nearly parallel to v and rounding takes the cosine above 1
@@ -165,10 +239,11 @@ float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float 
 #endif
         if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {
 #if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE
-            float g_sample = hbil_arc(c_sample);
-            float w = 0.5 * (nx * (g - g_sample) + r.ny * (c_sample - c) * (c_sample + c));
-            near += max(w, 0.0) * hbil_load_radiance(q);
-            g = g_sample;
+#if HBIL_SAMPLING_BILINEAR
+            near += hbil_cell_light(r, pixel, nx, c, c_sample);
+#else
+            near += hbil_arc_light(q, nx, r.ny, c, c_sample);
+#endif
 #endif
             c = c_sample;
         }

@@ -43,27 +43,18 @@ vec3 hbil_load_normal(ivec2 p) {
 #endif
 
 //@ chunk hbil_neighbour
-// The quantity that is linear on the screen for every plane: 1/depth, or depth itself without perspective.
-// -1e30 outside the screen and on the sky.
+// Nearness at a pixel; -1e30 outside the screen and on the sky.
 float hbil_neighbour(ivec2 p) {
     if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;
     float z = hbil_view_depth(p);
-#if HBIL_PROJECTION_PERSPECTIVE
-    return z < HBIL_SKY ? 1.0 / z : -1e30;
-#else
-    return z < HBIL_SKY ? z : -1e30;
-#endif
+    return z < HBIL_SKY ? hbil_nearness(z) : -1e30;
 }
 
 //@ chunk hbil_tangent
 // Surface tangent along one screen axis: towards the side whose two pixels lie straighter in line with this one, so
 // that a silhouette or a crease beside the pixel is not averaged in.
 vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {
-#if HBIL_PROJECTION_PERSPECTIVE
-    float here = 1.0 / z;
-#else
-    float here = z;
-#endif
+    float here = hbil_nearness(z);
     float left = hbil_neighbour(p - axis);
     float right = hbil_neighbour(p + axis);
     float bend_left = abs(2.0 * left - hbil_neighbour(p - 2 * axis) - here);
@@ -74,11 +65,7 @@ vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {
     float there = side < 0.0 ? left : right;
     if (lost_left && lost_right) there = here;
     vec2 q = vec2(p) + 0.5 + side * vec2(axis);
-#if HBIL_PROJECTION_PERSPECTIVE
-    return side * (hbil_position(q, 1.0 / there) - hbil_position(vec2(p) + 0.5, z));
-#else
-    return side * (hbil_position(q, there) - hbil_position(vec2(p) + 0.5, z));
-#endif
+    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(vec2(p) + 0.5, z));
 }
 
 //@ chunk hbil_view_normal

@@ -5,7 +5,7 @@
 #include "../test.h"
 #include "../matrix.h"
 
-#include "../../examples/frame/capture.h"
+#include "../captures.h"
 #include "../../examples/frame/runner.h"
 
 static runner *vulkan, *gl;
@@ -91,23 +91,19 @@ static void backends_agree_on_the_built_in_scene(void **state)
 
 static void backends_agree_on_all_captures(void **state)
 {
-    static const char *const folders[] = { "cornell", "atrium", "terrain", "atrium-move" };
-    const char *root = getenv("HBIL_CAPTURES");
-    size_t i;
-    int n;
+    const capture_names list = captures_list();
+    int i, frame;
     (void)state;
-    if (!root) {
-        print_message("skipped: HBIL_CAPTURES is not set\n");
+    if (!list.count) {
+        print_message("skipped: HBIL_CAPTURES is not set, or holds no frame\n");
         skip();
     }
-    for (i = 0; i < sizeof folders / sizeof folders[0]; ++i)
-        for (n = 0; n < (strcmp(folders[i], "atrium-move") ? 1 : 12); ++n) {
-            char exr[512], json[512], where[64];
+    for (i = 0; i < list.count; ++i)
+        for (frame = 0; captures_has(list.name[i], frame); ++frame) {
+            char where[80];
             capture cap;
-            snprintf(where, sizeof where, "%s %03d", folders[i], n);
-            snprintf(exr, sizeof exr, "%s/%s/frame-%03d.exr", root, folders[i], n);
-            snprintf(json, sizeof json, "%s/%s/camera-%03d.json", root, folders[i], n);
-            if (!capture_load(&cap, exr, json, error, sizeof error)) fail_msg("%s", error);
+            snprintf(where, sizeof where, "%s %03d", list.name[i], frame);
+            if (!captures_load(list.name[i], frame, &cap, error, sizeof error)) fail_msg("%s", error);
             compare(where, &cap, ALL);
             capture_free(&cap);
         }

@@ -257,6 +257,23 @@ static void combinations_without_meaning_are_refused(void **state)
     assert_non_null(strstr(items[1].text, "reach"));
 }
 
+static void more_iterations_than_mesa_runs_are_warned_about(void **state)
+{
+    hbil_diag item;
+    hbil_diags diags = { &item, 1, 0 };
+    hbil_config c;
+    (void)state;
+    memset(&c, 0, sizeof c);
+    c.slices = 64;
+    c.steps = 500;
+    assert_int_equal(hbil_config_resolve(&c, &c, &diags), HBIL_OK);
+    assert_int_equal(diags.count, 0);
+    c.steps = 501;
+    assert_int_equal(hbil_config_resolve(&c, &c, &diags), HBIL_OK);
+    assert_int_equal(diags.count, 1);
+    assert_int_equal(item.severity, HBIL_WARNING);
+}
+
 /* ---------------------------------------------------------------------- frames */
 
 static hbil_plan plan_of(const char *config)
@@ -429,6 +446,7 @@ int main(void)
         cmocka_unit_test(presets_resolve_and_unknown_ones_suggest),
         cmocka_unit_test(options_without_effect_are_put_back_with_a_note),
         cmocka_unit_test(combinations_without_meaning_are_refused),
+        cmocka_unit_test(more_iterations_than_mesa_runs_are_warned_about),
         cmocka_unit_test(rays_follow_the_matrix_also_off_centre),
         cmocka_unit_test(depth_constants_invert_every_convention),
         cmocka_unit_test(frames_that_do_not_fit_are_refused_with_the_fix),
