@@ -80,7 +80,7 @@ expect 1 --target vulcan
 says 'target=vulcan'
 expect 1 --set width=640
 says 'width and height'
-printf 'slices=3\nsteps=1000\n' > bad.hbil
+printf 'slices=3\nsteps=99999\n' > bad.hbil
 expect 1 -c bad.hbil -o refused/
 says 'bad.hbil'
 says '2'
