@@ -1,6 +1,6 @@
 /* embed.c - writes the generated regions of hbil.h and README.md from options.def, passes.def and glsl/.
  *
- *   embed [--check] ROOT     ROOT: the folder that holds hbil.h
+ *   embed [--check] [ROOT]     ROOT: the folder that holds hbil.h, default .
  *
  * A region lies between a line with `<<gen NAME` and a line with `>>gen NAME`; nothing else is touched. Files are
  * replaced whole (temporary file, then rename), and only when they differ. Exit codes: see usage(). */
@@ -530,8 +530,8 @@ static void add_dynamic_row(void)
 
 static int usage(FILE *f, int code)
 {
-    fputs("usage: embed [--check] ROOT\n"
-          "Writes the generated regions of ROOT/hbil.h and ROOT/README.md from ROOT/shadergen.\n"
+    fputs("usage: embed [--check] [ROOT]\n"
+          "Writes the generated regions of ROOT/hbil.h and ROOT/README.md from ROOT/shadergen; ROOT is . by default.\n"
           "  --check   write nothing, exit 5 if a file is out of step\n"
           "exit: 0 done, 2 usage, 3 cannot read or write, 4 fault in a .glsl or .def file, 5 out of step\n", f);
     return code;
@@ -550,7 +550,7 @@ int main(int argc, char **argv)
         else if (argv[i][0] == '-' || root) return usage(stderr, USAGE);
         else root = argv[i];
     }
-    if (!root) return usage(stderr, USAGE);
+    if (!root) root = ".";
     if (option_count() + 1 >= (int)COUNT(options)) die(SOURCE, "options.def: too many options");
     add_dynamic_row();
     load_all_glsl(root);
