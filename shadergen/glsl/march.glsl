@@ -167,13 +167,26 @@ vec3 hbil_arc_light(ivec2 q, float nx, float ny, float c, float c_sample) {
 }
 #endif
 
+//@ chunk hbil_step
+#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
+// From the sample before to this one: where on the screen, and the nearness of the surface at both ends.
+struct hbil_step {
+    vec2 to;
+    vec2 way;
+    float from_nearness; // -1e30: no surface there
+    float to_nearness;
+};
+#endif
+
 //@ chunk hbil_corner_light
 #if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
-// Light of one corner of the cell around a sample: it stands in front of the rays from c up to its own height, the
-// nearest to the eye (depth z_top) in front of all. Moves c there.
-vec3 hbil_corner_light(hbil_receiver r, vec2 pixel, ivec2 q, float z_top, float nx, float c_sample, inout float c) {
+// Light of one corner of the cell around a sample. It stands in front of the rays from c up to the one that meets the
+// surface where that is as near as the corner; the nearest corner (depth z_top) in front of all. Moves c there.
+vec3 hbil_corner_light(hbil_receiver r, hbil_step s, ivec2 q, float z_top, float nx, float c_sample, inout float c) {
     float z = hbil_load_depth(q);
-    vec3 h = hbil_position(pixel, z) - r.position;
+    float rise = s.to_nearness - s.from_nearness;
+    float t = rise > 0.0 && rise < 1e29 ? clamp((hbil_nearness(z) - s.from_nearness) / rise, 0.0, 1.0) : 1.0;
+    vec3 h = hbil_position(s.to - (1.0 - t) * s.way, z) - r.position;
     float low = c;
     c = z <= z_top ? c_sample : clamp(dot(h, r.v) * inversesqrt(max(dot(h, h), 1e-30)), c, c_sample);
     return hbil_arc_light(q, nx, r.ny, low, c);
@@ -184,18 +197,18 @@ vec3 hbil_corner_light(hbil_receiver r, vec2 pixel, ivec2 q, float z_top, float 
 #if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
 // Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that
 // stand in front of it.
-vec3 hbil_cell_light(hbil_receiver r, vec2 pixel, float nx, float c, float c_sample) {
-    ivec2 q = ivec2(floor(pixel));
-    vec2 f = pixel - floor(pixel) - 0.5;
+vec3 hbil_cell_light(hbil_receiver r, hbil_step s, float nx, float c, float c_sample) {
+    ivec2 q = ivec2(floor(s.to));
+    vec2 f = s.to - floor(s.to) - 0.5;
     ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);
     ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);
     ivec2 second = abs(f.x) > abs(f.y) ? x : y;
     float z_top = min(min(hbil_load_depth(q), hbil_load_depth(q + x)),
         min(hbil_load_depth(q + y), hbil_load_depth(q + x + y)));
-    vec3 light = hbil_corner_light(r, pixel, q, z_top, nx, c_sample, c);
-    light += hbil_corner_light(r, pixel, q + second, z_top, nx, c_sample, c);
-    light += hbil_corner_light(r, pixel, q + x + y - second, z_top, nx, c_sample, c);
-    light += hbil_corner_light(r, pixel, q + x + y, z_top, nx, c_sample, c);
+    vec3 light = hbil_corner_light(r, s, q, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, s, q + second, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, s, q + x + y - second, z_top, nx, c_sample, c);
+    light += hbil_corner_light(r, s, q + x + y, z_top, nx, c_sample, c);
     return light;
 }
 #endif
@@ -213,6 +226,11 @@ float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float 
     float c_tangent = c;
 #endif
     float offset = 0.0;
+#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)
+    hbil_step s;
+    s.to = vec2(r.pixel) + 0.5;
+    s.to_nearness = hbil_nearness(r.position.z);
+#endif
     for (int i = 0; i < HBIL_STEPS; ++i) {
         // never the receiver itself, never one place twice
         offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + HBIL_STRIDE);
@@ -220,6 +238,12 @@ float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float 
 #if HBIL_SAMPLING_BILINEAR
         vec2 pixel = vec2(r.pixel) + 0.5 + offset * d;
         float z = hbil_surface_depth(pixel);
+#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE
+        s.way = pixel - s.to;
+        s.to = pixel;
+        s.from_nearness = s.to_nearness;
+        s.to_nearness = z < HBIL_SKY ? hbil_nearness(z) : -1e30;
+#endif
 #else
         ivec2 q = r.pixel + ivec2(floor(offset * d + 0.5));
         if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;
@@ -240,7 +264,7 @@ float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float 
         if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {
 #if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE
 #if HBIL_SAMPLING_BILINEAR
-            near += hbil_cell_light(r, pixel, nx, c, c_sample);
+            near += hbil_cell_light(r, s, nx, c, c_sample);
 #else
             near += hbil_arc_light(q, nx, r.ny, c, c_sample);
 #endif
