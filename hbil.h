@@ -798,7 +798,7 @@ static const char hbil__glsl_march_hbil_arc[] =
 "}\n";
 static const char hbil__glsl_march_HBIL_STRIDE[] =
 "#if HBIL_SAMPLING_BILINEAR\n"
-"const float HBIL_STRIDE = 0.25; // first sample, and least distance of two samples. pixels\n"
+"const float HBIL_STRIDE = 0.125; // first sample, and least distance of two samples. pixels\n"
 "#else\n"
 "const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels\n"
 "#endif\n";

@@ -71,7 +71,7 @@ float hbil_arc(float c) {
 
 //@ chunk HBIL_STRIDE
 #if HBIL_SAMPLING_BILINEAR
-const float HBIL_STRIDE = 0.25; // first sample, and least distance of two samples. pixels
+const float HBIL_STRIDE = 0.125; // first sample, and least distance of two samples. pixels
 #else
 const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels
 #endif
