@@ -275,7 +275,7 @@ typedef struct hbil_constant {
     int32_t  option;        /* index of the dynamic option, or -1 */
 } hbil_constant;
 
-/* What to make and what to dispatch: plain data, no pointers, no padding. Equal configs give memcmp-equal plans. */
+/* What to make and what to dispatch: plain data, no pointers. Equal configs give memcmp-equal plans: padding is zero. */
 typedef struct hbil_plan {
     hbil_config   config;   /* resolved: every member explicit */
     uint64_t      hash;     /* of the version and the canonical config text: equal hash, equal bytes of text */
