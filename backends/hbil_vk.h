@@ -170,7 +170,7 @@ HBIL_VK_API VkFormat       hbil_vk_format(hbil_format format);
 /* Make everything that does not depend on the size. On failure nothing stays behind but ctx->message. */
 HBIL_VK_API hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx);
 /* Make our images for a render size; take your view of each INPUT and OUTPUT, indexed by plan texture (other entries are not
- * read). The same size again only takes the views and keeps history. Device idle, see Layouts and synchronisation. */
+ * read). The same size again only takes the views and keeps history. Device idle, see CONTRACT. */
 HBIL_VK_API hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height,
                                           const VkImageView views[HBIL_MAX_TEXTURES]);
 /* Record all passes of one frame. Options made dynamic are read from frame->live. On failure nothing was recorded. */
@@ -178,7 +178,7 @@ HBIL_VK_API hbil_vk_result hbil_vk_record(hbil_vk *ctx, VkCommandBuffer cmd, con
 /* Milliseconds of each pass of the last recording, after you waited for it; ms has plan->pass_count entries. Wait before you
  * record again: there is one set of timestamps. */
 HBIL_VK_API hbil_vk_result hbil_vk_timings(hbil_vk *ctx, double *ms);
-/* Free all that is ours. Fine after a failed init, and twice. Device idle, see Layouts and synchronisation. */
+/* Free all that is ours. Fine after a failed init, and twice. Device idle, see CONTRACT. */
 HBIL_VK_API void           hbil_vk_shutdown(hbil_vk *ctx);
 
 #ifdef __cplusplus
