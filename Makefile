@@ -10,13 +10,14 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo test embed bench clean
+.PHONY: help demo test embed bench table clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
 	@echo 'make test    install lacking Debian packages, build, run every test; the last line counts passed, failed, skipped'
 	@echo 'make embed   write options.def, passes.def and glsl/ of shadergen/ into hbil.h and README.md'
 	@echo 'make bench   how long plans, texts, SPIR-V and compiling the header take, and how large they are'
+	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -62,6 +63,13 @@ bench:
 	$(COMPILE) --target hbil-bench
 	@$(BUILD)/bin/hbil-bench
 	@sh tests/bench/compile.sh
+
+table:
+	@test -n "$$HBIL_CAPTURES" || { echo 'make table: set HBIL_CAPTURES to the folder of the captures'; exit 2; }
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-table
+	@$(BUILD)/bin/hbil-table "$$HBIL_CAPTURES" --out README.md
 
 clean:
 	rm -rf $(BUILD) build-debug build-sanitize out/demo

@@ -1,8 +1,9 @@
 /* hbil.h - 0.1.0 - horizon-based indirect lighting: writes the shaders, plans the frame.              MIT or public domain
  *
- * From a configuration struct this header writes specialised GLSL compute shaders for screen-space lighting (ambient
- * occlusion, near light, bent vectors from the horizons of the depth buffer) and a plan, plain data, that tells any engine
- * which textures to make, which passes to dispatch, with what bindings and barriers.
+ * From a configuration struct this header writes specialised GLSL compute shaders for screen-space lighting (HBAO, GTAO,
+ * HBIL, visibility bitmask: ambient occlusion, near and far light, bent cones, specular occlusion from the depth buffer)
+ * and a plan, plain data, that tells any engine which textures to make, which passes to dispatch, with what bindings and
+ * barriers.
  *
  *     #define HBIL_IMPLEMENTATION                     // in one C or C++ file
  *     #include "hbil.h"
@@ -16,7 +17,7 @@
  *             hbil_emit_glsl(&plan, i, text, sizeof text, NULL);
  *
  * CONTENTS     search for the anchors
- *   >>does  >>steps  >>switches  >>conventions  >>promises  >>targets      the manual
+ *   >>does  >>steps  >>switches  >>conventions  >>outputs  >>methods  >>promises  >>targets      the manual
  *   >>api                                                                 declarations
  *   >>tables  >>glsl  >>sink  >>words  >>config  >>filter  >>plan  >>emit  >>manifest  >>frame  >>public   implementation
  *
@@ -24,7 +25,8 @@
  * >>does
  *
  *   DOES       write GLSL for Vulkan and OpenGL; say what to allocate, bind, wait for and dispatch; pack the uniform block;
- *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask for.
+ *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask
+ *              for; refuse combinations that have no meaning.
  *   DOES NOT   call a GPU, allocate, read files, compile SPIR-V (backends/hbil_glslang.h does), trace rays, or see what is off
  *              the screen or behind the first surface: light from there is your probes' work.
  *
@@ -57,12 +59,48 @@
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
  *   sky        linear: depth >= sky_depth, zero, negative (perspective) or NaN. device: v is the clear value 1 (forward) or 0
- *              (reversed). A sky pixel occludes nothing, gives no light, and gets ao 1, near 0, bent 0.
- *   normals    unit, pointing away from the surface, in view or world space; never encoded (signed floats or snorm).
- *   radiance   linear, any unit; NaN and negative count as 0, more than 60000 as 60000.
- *   near       E/pi: irradiance divided by pi, in the unit of the radiance. Reflected light is albedo * near, without another pi.
- *   ao         visible part of the cosine-weighted hemisphere. 1 is open. For the same samples near + ao = 1 if all radiance is 1.
- *   bent       (1/pi) * integral of V(w) w (n.w) dw, in your view space; length 2/3 and direction n when open.
+ *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
+ *              multi_bounce 1, composite direct, all else 0.
+ *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
+ *              floats or snorm; 8, 10 or 16-bit unorm; octahedral; x and y of a normal that faces the camera.
+ *   radiance   linear, any unit; NaN and negative count as 0, more than 60000 as 60000. Add what glowing surfaces emit, and they
+ *              light the room.
+ *   irradiance always E/pi, in the unit of the radiance: reflected light is albedo * value, without another pi.
+ *   SH         real, orthonormal, of radiance (not convolved). Environments in world space, the output sh in your view space.
+ *
+ * ======================================================================================================================
+ * >>outputs    of the shaders. V(w): visibility of the direction w; n: shading normal; integrals over the hemisphere of n
+ *
+ *   ao                  (1/pi) int V (n.w) dw with estimator horizon or bitmask; hbao weighs all directions alike, hbao_plus is
+ *                       a share of samples. 1 is open. near + ao = 1 if all radiance is 1, to rounding, for any samples.
+ *   uniform_ao          (1/2pi) int V dw.
+ *   bent                (1/pi) int V w (n.w) dw in your view space; length 2/3 and direction n when open.
+ *   cone                xyz: bent as a unit vector (n where all is blocked); a: cosine of the half angle whose cone about n has
+ *                       this ao, sqrt(1 - ao).
+ *   near                (1/pi) int (1 - V) L (n.w) dw, L the radiance of what blocks. Times 1 - F0 with the option f0.
+ *   sh                  layer k of Y00, Y1-1, Y10, Y11 in your view space: rgb int (1 - V) L Yk dw, a int V Yk dw.
+ *   far                 (1/pi) int V L (n.w) dw, L the environment. far_visibility says how V meets L:
+ *       bent            exact in bands 0 and 1 of SH, band 2 through the cone; of other environments ao * value(bent direction)
+ *       ao, direction   ao * value of an open surface that faces n, or the bent direction
+ *       cone            an open cone about the bent direction
+ *       free_bits       radiance by the middle of each group of 8 sectors: several gaps keep their own light
+ *   irradiance          near + far.
+ *   specular_occlusion  share of the specular lobe that the cone leaves; 1 where nothing is hidden. Lobes rougher than .5 go over to
+ *                       ao.
+ *   multi_bounce        rgb: ao after all bounces between surfaces of the pixel's albedo. Instead of near light, never with it.
+ *   composite           direct + albedo * (near + far).
+ *
+ * ======================================================================================================================
+ * >>methods    which options make which method of the field; presets of the same names carry the articles' values
+ *
+ *   HBAO, HBAO+   estimator=hbao or hbao_plus, reach, attenuation, angle_bias.
+ *   GTAO          estimator=horizon occluder=heuristic reach falloff; outputs multi_bounce and specular_occlusion.
+ *   HBIL          estimator=horizon; near, cone; facing, f0; environment=sh far_visibility=cone.
+ *   bitmask       estimator=bitmask occluder=thick thickness; facing=half_space; far_visibility=free_bits.
+ *   The arithmetic is right in all of them: slices uniform around the local view vector, projected normals not normalised, exact
+ *   sectors. seed_compat brings back what the articles did instead, to see the difference.
+ *   Costs: a sample is one depth load; near light adds one of radiance per rise (and one normal with facing), sh four accumulators per
+ *   channel, bent and sh of a bitmask an inverse per run of sectors, far light of SH nothing but arithmetic in its own pass.
  *
  * ======================================================================================================================
  * >>promises
@@ -113,25 +151,45 @@ extern "C" {
     X(E_ARG,    "null pointer or index out of range")               \
     X(E_CONFIG, "config rejected, see the diagnostics")             \
     X(E_FRAME,  "frame does not fit the plan, see the diagnostics") \
-    X(E_SPACE,  "buffer too small, *need tells the size")
+    X(E_SPACE,  "buffer too small, *need tells the size")           \
+    X(E_HOOK,   "the pass needs your hook text, or it lacks the function")
 #define HBIL__RESULT_ENUM(name, text) HBIL_##name,
 typedef enum hbil_result { HBIL_RESULTS(HBIL__RESULT_ENUM) HBIL_RESULT_COUNT } hbil_result;
 
 /* <<gen enums      written by `cmake --build build --target embed` from the tables: do not edit */
 typedef enum hbil_target { HBIL_TARGET_VULKAN = 1, HBIL_TARGET_GL } hbil_target;
-typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_NEAR = 0x2, HBIL_OUTPUTS_BENT = 0x4, HBIL_OUTPUTS_COMPOSITE = 0x8 } hbil_outputs;
+typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_UNIFORM_AO = 0x2, HBIL_OUTPUTS_BENT = 0x4, HBIL_OUTPUTS_CONE = 0x8,
+    HBIL_OUTPUTS_NEAR = 0x10, HBIL_OUTPUTS_SH = 0x20, HBIL_OUTPUTS_FAR = 0x40, HBIL_OUTPUTS_IRRADIANCE = 0x80,
+    HBIL_OUTPUTS_SPECULAR_OCCLUSION = 0x100, HBIL_OUTPUTS_MULTI_BOUNCE = 0x200, HBIL_OUTPUTS_COMPOSITE = 0x400 } hbil_outputs;
+typedef enum hbil_estimator { HBIL_ESTIMATOR_HORIZON = 1, HBIL_ESTIMATOR_BITMASK, HBIL_ESTIMATOR_HBAO, HBIL_ESTIMATOR_HBAO_PLUS } hbil_estimator;
 typedef enum hbil_sampling { HBIL_SAMPLING_NEAREST = 1, HBIL_SAMPLING_BILINEAR } hbil_sampling;
 typedef enum hbil_spacing { HBIL_SPACING_POWER = 1, HBIL_SPACING_GEOMETRIC } hbil_spacing;
+typedef enum hbil_attenuation { HBIL_ATTENUATION_QUADRATIC = 1, HBIL_ATTENUATION_LINEAR } hbil_attenuation;
+typedef enum hbil_occluder { HBIL_OCCLUDER_HEIGHT_FIELD = 1, HBIL_OCCLUDER_THICK, HBIL_OCCLUDER_HEURISTIC } hbil_occluder;
 typedef enum hbil_noise { HBIL_NOISE_NONE = 1, HBIL_NOISE_IGN, HBIL_NOISE_HILBERT_R2 } hbil_noise;
+typedef enum hbil_facing { HBIL_FACING_NONE = 1, HBIL_FACING_FILTER, HBIL_FACING_HALF_SPACE } hbil_facing;
+typedef enum hbil_environment { HBIL_ENVIRONMENT_NONE = 1, HBIL_ENVIRONMENT_CONSTANT, HBIL_ENVIRONMENT_SH, HBIL_ENVIRONMENT_CUBE,
+    HBIL_ENVIRONMENT_PROBES, HBIL_ENVIRONMENT_HOOK } hbil_environment;
+typedef enum hbil_far_visibility { HBIL_FAR_VISIBILITY_BENT = 1, HBIL_FAR_VISIBILITY_AO, HBIL_FAR_VISIBILITY_DIRECTION, HBIL_FAR_VISIBILITY_CONE,
+    HBIL_FAR_VISIBILITY_FREE_BITS } hbil_far_visibility;
+typedef enum hbil_f0 { HBIL_F0_NONE = 1, HBIL_F0_SCALAR, HBIL_F0_RGB } hbil_f0;
+typedef enum hbil_bounce { HBIL_BOUNCE_CLOSED = 1, HBIL_BOUNCE_CUBIC } hbil_bounce;
 typedef enum hbil_projection { HBIL_PROJECTION_PERSPECTIVE = 1, HBIL_PROJECTION_ORTHOGRAPHIC } hbil_projection;
 typedef enum hbil_depth { HBIL_DEPTH_LINEAR = 1, HBIL_DEPTH_DEVICE } hbil_depth;
 typedef enum hbil_depth_direction { HBIL_DEPTH_DIRECTION_FORWARD = 1, HBIL_DEPTH_DIRECTION_REVERSED } hbil_depth_direction;
 typedef enum hbil_depth_far { HBIL_DEPTH_FAR_FINITE = 1, HBIL_DEPTH_FAR_INFINITE } hbil_depth_far;
 typedef enum hbil_clip { HBIL_CLIP_VULKAN = 1, HBIL_CLIP_GL } hbil_clip;
 typedef enum hbil_normals { HBIL_NORMALS_VIEW = 1, HBIL_NORMALS_WORLD, HBIL_NORMALS_DEPTH } hbil_normals;
-typedef enum hbil_seed_compat { HBIL_SEED_COMPAT_SCREEN_AZIMUTH = 0x1, HBIL_SEED_COMPAT_SLICE_MEAN = 0x2 } hbil_seed_compat;
+typedef enum hbil_normal_encoding { HBIL_NORMAL_ENCODING_XYZ = 1, HBIL_NORMAL_ENCODING_XYZ_UNORM, HBIL_NORMAL_ENCODING_OCTAHEDRAL, HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM,
+    HBIL_NORMAL_ENCODING_OCTAHEDRAL_888, HBIL_NORMAL_ENCODING_XY, HBIL_NORMAL_ENCODING_XY_UNORM } hbil_normal_encoding;
+typedef enum hbil_multisample { HBIL_MULTISAMPLE_NO = 1, HBIL_MULTISAMPLE_YES } hbil_multisample;
+typedef enum hbil_seed_compat { HBIL_SEED_COMPAT_SCREEN_AZIMUTH = 0x1, HBIL_SEED_COMPAT_SLICE_MEAN = 0x2, HBIL_SEED_COMPAT_NOISE_2PI = 0x4, HBIL_SEED_COMPAT_UNIFORM_BENT = 0x8,
+    HBIL_SEED_COMPAT_CONE_RELATION = 0x10, HBIL_SEED_COMPAT_F0_AO = 0x20 } hbil_seed_compat;
 typedef enum hbil_dynamic { HBIL_DYNAMIC_SLICES = 0x1, HBIL_DYNAMIC_STEPS = 0x2, HBIL_DYNAMIC_EXPONENT = 0x4, HBIL_DYNAMIC_REACH = 0x8,
-    HBIL_DYNAMIC_FALLOFF = 0x10, HBIL_DYNAMIC_BIAS = 0x20, HBIL_DYNAMIC_PULL = 0x40, HBIL_DYNAMIC_SKY_DEPTH = 0x80 } hbil_dynamic;
+    HBIL_DYNAMIC_FALLOFF = 0x10, HBIL_DYNAMIC_THICKNESS = 0x20, HBIL_DYNAMIC_DECAY = 0x40, HBIL_DYNAMIC_BIAS = 0x80,
+    HBIL_DYNAMIC_ANGLE_BIAS = 0x100, HBIL_DYNAMIC_MULTIPLIER = 0x200, HBIL_DYNAMIC_PULL = 0x400, HBIL_DYNAMIC_FIREFLY = 0x800,
+    HBIL_DYNAMIC_NEAR_INTENSITY = 0x1000, HBIL_DYNAMIC_FAR_INTENSITY = 0x2000, HBIL_DYNAMIC_AO_EXPONENT = 0x4000, HBIL_DYNAMIC_ROUGHNESS = 0x8000,
+    HBIL_DYNAMIC_SKY_DEPTH = 0x10000 } hbil_dynamic;
 typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R32UI, HBIL_FORMAT_RGBA32F, HBIL_FORMAT_COUNT } hbil_format;
 /* >>gen enums */
 
@@ -139,9 +197,12 @@ typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R3
 typedef enum hbil_access { HBIL_ACCESS_SAMPLE = 1, HBIL_ACCESS_WRITE = 2 } hbil_access;
 /* Whose a texture is. INPUT, OUTPUT: yours. TRANSIENT: garbage between frames, may alias. HISTORY: survives frames. */
 typedef enum hbil_life { HBIL_LIFE_INPUT = 1, HBIL_LIFE_OUTPUT, HBIL_LIFE_TRANSIENT, HBIL_LIFE_HISTORY } hbil_life;
-/* Type of a member of the uniform block. MAT3 is three vec4 columns (std140). */
+/* Type of a member of the uniform block. MAT3 is three vec4 columns (std140); VEC4X4 and VEC4X5 are arrays of 4 and 5 vec4. */
 typedef enum hbil_type { HBIL_TYPE_INT = 1, HBIL_TYPE_UINT, HBIL_TYPE_FLOAT, HBIL_TYPE_VEC2, HBIL_TYPE_IVEC2,
-                         HBIL_TYPE_VEC4, HBIL_TYPE_MAT3 } hbil_type;
+                         HBIL_TYPE_VEC4, HBIL_TYPE_MAT3, HBIL_TYPE_VEC4X4, HBIL_TYPE_VEC4X5 } hbil_type;
+/* Shape of a texture. 2D_ARRAY has `layers` layers. CUBE and 3D are read with a linear, clamping sampler at level 0, all others by
+ * texelFetch. */
+typedef enum hbil_dim { HBIL_DIM_2D = 1, HBIL_DIM_2D_MULTISAMPLE, HBIL_DIM_2D_ARRAY, HBIL_DIM_CUBE, HBIL_DIM_3D } hbil_dim;
 typedef enum hbil_kind { HBIL_KIND_CHOICE = 1, HBIL_KIND_SET, HBIL_KIND_INT, HBIL_KIND_FLOAT } hbil_kind;
 typedef enum hbil_severity { HBIL_NOTE = 1, HBIL_WARNING, HBIL_ERROR } hbil_severity;
 
@@ -152,11 +213,13 @@ typedef struct hbil_config {
     /* <<gen config     written by `cmake --build build --target embed` from the tables: do not edit */
     /* dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL. {vulkan, gl}, default vulkan. baked. source: project */
     int32_t target;
-    /* what is computed: ambient occlusion, near light, bent vector, direct + albedo * near. {ao, near, bent, composite}, default ao+near+composite. baked. source: project */
+    /* what is computed, all from one march; each is defined under >>outputs in hbil.h. {ao, uniform_ao, bent, cone, near, sh, far, irradiance, specular_occlusion, multi_bounce, composite}, default ao+near+composite. baked. source: project */
     uint32_t outputs;
-    /* two-sided slices per pixel, uniform around the local view vector. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 2.1 */
+    /* how a slice sees: highest horizon per side; 32 sectors of equal cosine energy; sin h - sin t; share of raised samples. {horizon, bitmask, hbao, hbao_plus}, default horizon. baked. source: Jimenez 2016, Therrien 2023, Bavoil 2008, NVIDIA HBAO+ */
+    int32_t estimator;
+    /* two-sided slices per pixel, uniform around the local view vector. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 1.2 */
     int32_t slices;
-    /* depth samples per side of a slice. count, [1, 1024], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.3 */
+    /* depth samples per side of a slice. count, [1, 1024], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.5 */
     int32_t steps;
     /* surface that the samples see: nearest pixel centre, or exactly on the slice, bilinear between four centres. {nearest, bilinear}, default nearest. baked. source: project */
     int32_t sampling;
@@ -168,12 +231,46 @@ typedef struct hbil_config {
     float reach;
     /* share of the reach over which an occluder fades out. 1, [0.01, 1], default 0.6. baked or dynamic. source: Jimenez 2016, XeGTAO */
     float falloff;
+    /* weight of a sample at distance d: 1 - (d / reach)^2, or 1 - d / reach. {quadratic, linear}, default quadratic. baked. source: Bavoil 2008, HBAO + GTAO article */
+    int32_t attenuation;
+    /* behind what is seen: solid for ever; solid for `thickness` along the sample's own view ray; horizons that sink again. {height_field, thick, heuristic}, default height_field. baked. source: project, Therrien 2023, Jimenez 2016 */
+    int32_t occluder;
+    /* how far an occluder goes on behind its visible surface. m, [1e-4, 1e4], default 0.5. baked or dynamic. source: Therrien 2023 */
+    float thickness;
+    /* share by which the horizon sinks towards each lower sample, at 8 steps; other step counts sink as much per side. 1, [0.001, 0.9], default 0.1. baked or dynamic. source: Jimenez 2016 */
+    float decay;
     /* sine of the elevation above the tangent plane below which a sample is ignored. 1, [1e-6, 0.5], default 0.001. baked or dynamic. source: Bavoil 2008 */
     float bias;
+    /* sine of the elevation above the tangent plane from which occlusion begins. 1, [1e-6, 0.9], default 0.1. baked or dynamic. source: Bavoil 2008 */
+    float angle_bias;
+    /* obscurance is 2 * multiplier * the mean of the samples, at most 1. 1, [0.01, 16], default 1. baked or dynamic. source: NVIDIA HBAO+ */
+    float multiplier;
     /* part of its depth by which the receiver is pulled towards the camera against rounding. 1, [1e-8, 0.01], default 1e-5. baked or dynamic. source: XeGTAO */
     float pull;
     /* rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2. {none, ign, hilbert_r2}, default hilbert_r2. baked. source: Jimenez 2014, Roberts 2018 */
     int32_t noise;
+    /* light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source. {none, filter, half_space}, default none. baked. source: Mayaux 2018 sec. 3.4, GT-VBGI */
+    int32_t facing;
+    /* largest channel of a radiance, scaled down with its hue kept; 0 is only the limit of 60000 per channel. radiance, [0.001, 60000], default 0. baked or dynamic. source: SSRT3 */
+    float firefly;
+    /* factor of near light; other than 1 is taste, not physics. 1, [0.01, 100], default 1. baked or dynamic. source: YPipeline HBIL article */
+    float near_intensity;
+    /* environment behind the visible part: none, one colour, spherical harmonics, cube map, grid of SH probes, your own function. {none, constant, sh, cube, probes, hook}, default none. baked. source: Mayaux 2018 sec. 2.2, YPipeline HBIL article */
+    int32_t environment;
+    /* highest order of the spherical harmonics: 4 or 9 coefficients. order, [1, 2], default 2. baked. source: Ramamoorthi 2001 */
+    int32_t sh_order;
+    /* what lets the environment in: bent vector, ao at the normal, ao at the bent direction, bent cone, or sector by sector. {bent, ao, direction, cone, free_bits}, default bent. baked. source: project */
+    int32_t far_visibility;
+    /* factor of far light; other than 1 is taste, not physics. 1, [0.01, 100], default 1. baked or dynamic. source: YPipeline HBIL article */
+    float far_intensity;
+    /* factor 1 - F0 of near and far light: none, from the red channel or per channel of u_f0. metals get none. {none, scalar, rgb}, default none. baked. source: Mayaux 2018 sec. 2.3.3 */
+    int32_t f0;
+    /* power of ao and of what it weighs; other than 1 is taste, not physics. 1, [0.1, 8], default 1. baked or dynamic. source: YPipeline HBIL article */
+    float ao_exponent;
+    /* multi-bounce ao of albedo r and visibility v: v / (1 - r (1 - v)), or the cubic fit. {closed, cubic}, default closed. baked. source: project, Jimenez 2016 */
+    int32_t bounce;
+    /* roughness of every surface; 0 reads it from u_roughness. perceptual, [0.02, 1], default 0. baked or dynamic. source: Jimenez 2016 */
+    float roughness;
     /* camera; off-centre and jittered matrices are fine. {perspective, orthographic}, default perspective. baked. source: project */
     int32_t projection;
     /* depth input: view depth in metres, or the depth buffer's value in [0, 1]. {linear, device}, default linear. baked. source: project */
@@ -188,13 +285,19 @@ typedef struct hbil_config {
     int32_t clip;
     /* normal input: in view space, in world space, or none: rebuilt from depth. {view, world, depth}, default view. baked. source: project */
     int32_t normals;
+    /* channels of u_normal: xyz, octahedral xy, or xy of a normal that faces the camera; signed or [0, 1]; 888 is two 12-bit halves. {xyz, xyz_unorm, octahedral, octahedral_unorm, octahedral_888, xy, xy_unorm}, default xyz. baked. source: Meyer 2010, Mayaux 2018 sec. 3.1 */
+    int32_t normal_encoding;
+    /* u_depth and u_normal are multisampled textures, of which one sample is read. {no, yes}, default no. baked. source: project */
+    int32_t multisample;
+    /* sample that is read of a multisampled texture. index, [1, 31], default 0. baked. source: project */
+    int32_t sample;
     /* render width baked into the text; 0 keeps the size a uniform. pixels, [1, 16384], default 0. baked. source: project */
     int32_t width;
     /* render height baked into the text, together with width. pixels, [1, 16384], default 0. baked. source: project */
     int32_t height;
-    /* arithmetic of older articles, to see the difference: slices uniform on the screen; mean over slices, no ratio. {screen_azimuth, slice_mean}, default none. baked. source: YPipeline HBIL article */
+    /* arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao). {screen_azimuth, slice_mean, noise_2pi, uniform_bent, cone_relation, f0_ao}, default none. baked. source: YPipeline HBIL article, Mayaux 2018 */
     uint32_t seed_compat;
-    /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, bias, pull, sky_depth}, default none. baked. source: project */
+    /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, thickness, decay, bias, angle_bias, multiplier, pull, firefly, near_intensity, far_intensity, ao_exponent, roughness, sky_depth}, default none. baked. source: project */
     uint32_t dynamic;
     /* >>gen config */
     uint32_t guard_end;     /* leave 0 */
@@ -213,7 +316,7 @@ typedef struct hbil_option {
 typedef struct hbil_diag {
     hbil_severity severity;
     int32_t       option;   /* index for hbil_option_at, -1: none */
-    char          text[152]; /* names the option, its value and the legal range; terminated */
+    char          text[200]; /* names the option, its value and the legal range; terminated */
 } hbil_diag;
 
 /* Collects findings. The memory is yours; a NULL hbil_diags is fine wherever one is a parameter. */
@@ -223,9 +326,9 @@ typedef struct hbil_diags {
     int32_t    count;       /* findings made; may exceed capacity: the surplus is only counted. Calls add to it */
 } hbil_diags;
 
-#define HBIL_MAX_TEXTURES  24
-#define HBIL_MAX_PASSES    16
-#define HBIL_MAX_BINDINGS  12
+#define HBIL_MAX_TEXTURES  32
+#define HBIL_MAX_PASSES    12
+#define HBIL_MAX_BINDINGS  18
 #define HBIL_MAX_CONSTANTS 32
 #define HBIL_GLSL_MAX      65536 /* bytes of the text of one pass, at most */
 #define HBIL_CONSTANTS_MAX 1024  /* bytes of the uniform block, at most */
@@ -237,6 +340,8 @@ typedef struct hbil_texture {
     uint16_t div;           /* size = ceil(render size / div) */
     uint16_t mips;          /* >= 1 */
     uint16_t copies;        /* 1; more for HISTORY: copy (frame index + copies - age) mod copies */
+    uint16_t dim;           /* hbil_dim. CUBE and 3D have a size of your own */
+    uint16_t layers;        /* 1; more for 2D_ARRAY */
     uint16_t reserved;
 } hbil_texture;
 
@@ -262,6 +367,8 @@ typedef struct hbil_pass {
     uint16_t     group[2];  /* workgroup size in x and y, as in the text */
     uint16_t     domain;    /* texture whose texels the grid covers */
     uint16_t     constants; /* 1: the pass reads the uniform block, at plan.constants_slot */
+    uint16_t     hook;      /* 1: the text needs your function, see hbil_emit_glsl_hook */
+    uint16_t     reserved;
     uint16_t     binding_count, barrier_count;
     hbil_binding bindings[HBIL_MAX_BINDINGS];
     hbil_barrier barriers[HBIL_MAX_BINDINGS];
@@ -294,7 +401,11 @@ typedef struct hbil_frame {
     uint32_t width, height; /* render size in pixels, [1, 16384]; 0 where the config bakes it */
     uint32_t index;         /* frame number: advances the noise */
     float    projection[16];/* view -> clip, column-major, jitter included. Texel row 0 is ndc y = -1 */
-    float    view[16];      /* world -> view, column-major, rigid. Read with normals=world only */
+    float    view[16];      /* world -> view, column-major, rigid. Read with normals=world, and where far light has a direction */
+    float    far_color[3];  /* environment=constant: radiance */
+    float    far_sh[9][3];  /* environment=sh: radiance by [l*l+l+m], world space. Y00 .282095, Y1-1 Y10 Y11 .488603 y z x,
+                               Y2-2 Y2-1 Y21 1.092548 xy yz xz, Y20 .315392 (3zz-1), Y22 .546274 (xx-yy). order 1 reads four */
+    float    probe_origin[3], probe_step[3]; /* environment=probes: probe (i, j, k) stands at origin + step * (i, j, k). m, world */
     const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored */
 } hbil_frame;
 
@@ -323,6 +434,8 @@ HBIL_API int32_t            hbil_option_find(const char *name, size_t len, int32
 /* Presets by index, for lists: name and meaning, NULL outside. */
 HBIL_API const char *hbil_preset_name(int32_t index);
 HBIL_API const char *hbil_preset_meaning(int32_t index);
+/* Where its values come from: a line "option=value: source" each. NULL outside. */
+HBIL_API const char *hbil_preset_sources(int32_t index);
 /* Fill *out with a preset by name; members may be changed afterwards. E_CONFIG: no such preset. */
 HBIL_API hbil_result hbil_config_preset(const char *name, hbil_config *out, hbil_diags *diags);
 /* Set one option from text: ("reach", "2.5"), ("outputs", "ao+near"), ("slices", "default"). The decimal mark is '.'
@@ -354,6 +467,14 @@ HBIL_API hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *fr
 
 /* The GLSL of one pass. Same config, same bytes: on every platform, compiler and locale. E_SPACE */
 HBIL_API hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need);
+/* The same for a pass with .hook = 1 (environment=hook): hook is your GLSL text, terminated, that defines
+ *     vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture)
+ * position: of the surface, world, m. direction: unit, world, into the middle of the visible part. cos_aperture: cosine of the half
+ * angle of the visible cone. Returns what an open surface that faces there would get, as E/pi; with far_visibility=free_bits the
+ * radiance from there. It may declare what it needs (bindings in set 1). Errors of the compiler point into it as source 1.
+ * E_HOOK: no such function, or a #version or main in it; diags say which. */
+HBIL_API hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char *hook, char *buf, size_t cap,
+                                         size_t *need, hbil_diags *diags);
 /* JSON description of the plan, for engines not written in C. E_SPACE */
 HBIL_API hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need);
 /* The uniform block of this frame, laid out as plan->constants says. Checks the frame against the config. *need gets
@@ -389,20 +510,25 @@ static const hbil_option hbil__options[] = {
       "dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL",
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, target), 1, 2, 1 },
-    { "outputs", "", "ao near bent composite",
+    { "outputs", "", "ao uniform_ao bent cone near sh far irradiance specular_occlusion multi_bounce composite",
       "",
-      "what is computed: ambient occlusion, near light, bent vector, direct + albedo * near",
+      "what is computed, all from one march; each is defined under >>outputs in hbil.h",
       "project",
-      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, outputs), 0, 15, 11 },
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, outputs), 0, 2047, 1041 },
+    { "estimator", "", "horizon bitmask hbao hbao_plus",
+      "",
+      "how a slice sees: highest horizon per side; 32 sectors of equal cosine energy; sin h - sin t; share of raised samples",
+      "Jimenez 2016, Therrien 2023, Bavoil 2008, NVIDIA HBAO+",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, estimator), 1, 4, 1 },
     { "slices", "count", "",
       "",
       "two-sided slices per pixel, uniform around the local view vector",
-      "Mayaux 2018 sec. 2.1",
+      "Mayaux 2018 sec. 1.2",
       HBIL_KIND_INT, HBIL_DYNAMIC_SLICES, (uint32_t)offsetof(hbil_config, slices), 1, 64, 3 },
     { "steps", "count", "",
       "",
       "depth samples per side of a slice",
-      "Mayaux 2018 sec. 3.3",
+      "Mayaux 2018 sec. 3.5",
       HBIL_KIND_INT, HBIL_DYNAMIC_STEPS, (uint32_t)offsetof(hbil_config, steps), 1, 1024, 6 },
     { "sampling", "", "nearest bilinear",
       "",
@@ -425,15 +551,45 @@ static const hbil_option hbil__options[] = {
       "project",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_REACH, (uint32_t)offsetof(hbil_config, reach), 1e-6, 1e9, 0 },
     { "falloff", "1", "",
-      "!HBIL_REACH_0",
+      "!HBIL_REACH_0 && HBIL_COSINE",
       "share of the reach over which an occluder fades out",
       "Jimenez 2016, XeGTAO",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_FALLOFF, (uint32_t)offsetof(hbil_config, falloff), 0.01, 1, 0.6 },
+    { "attenuation", "", "quadratic linear",
+      "!HBIL_REACH_0 && !HBIL_COSINE",
+      "weight of a sample at distance d: 1 - (d / reach)^2, or 1 - d / reach",
+      "Bavoil 2008, HBAO + GTAO article",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, attenuation), 1, 2, 1 },
+    { "occluder", "", "height_field thick heuristic",
+      "HBIL_COSINE",
+      "behind what is seen: solid for ever; solid for `thickness` along the sample's own view ray; horizons that sink again",
+      "project, Therrien 2023, Jimenez 2016",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, occluder), 1, 3, 1 },
+    { "thickness", "m", "",
+      "HBIL_OCCLUDER_THICK",
+      "how far an occluder goes on behind its visible surface",
+      "Therrien 2023",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_THICKNESS, (uint32_t)offsetof(hbil_config, thickness), 1e-4, 1e4, 0.5 },
+    { "decay", "1", "",
+      "HBIL_OCCLUDER_HEURISTIC",
+      "share by which the horizon sinks towards each lower sample, at 8 steps; other step counts sink as much per side",
+      "Jimenez 2016",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_DECAY, (uint32_t)offsetof(hbil_config, decay), 0.001, 0.9, 0.1 },
     { "bias", "1", "",
-      "",
+      "HBIL_COSINE",
       "sine of the elevation above the tangent plane below which a sample is ignored",
       "Bavoil 2008",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_BIAS, (uint32_t)offsetof(hbil_config, bias), 1e-6, 0.5, 0.001 },
+    { "angle_bias", "1", "",
+      "!HBIL_COSINE",
+      "sine of the elevation above the tangent plane from which occlusion begins",
+      "Bavoil 2008",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_ANGLE_BIAS, (uint32_t)offsetof(hbil_config, angle_bias), 1e-6, 0.9, 0.1 },
+    { "multiplier", "1", "",
+      "HBIL_ESTIMATOR_HBAO_PLUS",
+      "obscurance is 2 * multiplier * the mean of the samples, at most 1",
+      "NVIDIA HBAO+",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_MULTIPLIER, (uint32_t)offsetof(hbil_config, multiplier), 0.01, 16, 1 },
     { "pull", "1", "",
       "",
       "part of its depth by which the receiver is pulled towards the camera against rounding",
@@ -444,6 +600,61 @@ static const hbil_option hbil__options[] = {
       "rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2",
       "Jimenez 2014, Roberts 2018",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, noise), 1, 3, 3 },
+    { "facing", "", "none filter half_space",
+      "HBIL_GATHER",
+      "light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source",
+      "Mayaux 2018 sec. 3.4, GT-VBGI",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, facing), 1, 3, 1 },
+    { "firefly", "radiance", "",
+      "HBIL_GATHER",
+      "largest channel of a radiance, scaled down with its hue kept; 0 is only the limit of 60000 per channel",
+      "SSRT3",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_FIREFLY, (uint32_t)offsetof(hbil_config, firefly), 0.001, 60000, 0 },
+    { "near_intensity", "1", "",
+      "HBIL_GATHER",
+      "factor of near light; other than 1 is taste, not physics",
+      "YPipeline HBIL article",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_NEAR_INTENSITY, (uint32_t)offsetof(hbil_config, near_intensity), 0.01, 100, 1 },
+    { "environment", "", "none constant sh cube probes hook",
+      "HBIL_OUTPUTS_FAR || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE",
+      "environment behind the visible part: none, one colour, spherical harmonics, cube map, grid of SH probes, your own function",
+      "Mayaux 2018 sec. 2.2, YPipeline HBIL article",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, environment), 1, 6, 1 },
+    { "sh_order", "order", "",
+      "HBIL_ENVIRONMENT_SH || HBIL_ENVIRONMENT_PROBES",
+      "highest order of the spherical harmonics: 4 or 9 coefficients",
+      "Ramamoorthi 2001",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, sh_order), 1, 2, 2 },
+    { "far_visibility", "", "bent ao direction cone free_bits",
+      "HBIL_FAR_LIGHT && !HBIL_ENVIRONMENT_CONSTANT",
+      "what lets the environment in: bent vector, ao at the normal, ao at the bent direction, bent cone, or sector by sector",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, far_visibility), 1, 5, 1 },
+    { "far_intensity", "1", "",
+      "HBIL_FAR_LIGHT",
+      "factor of far light; other than 1 is taste, not physics",
+      "YPipeline HBIL article",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_FAR_INTENSITY, (uint32_t)offsetof(hbil_config, far_intensity), 0.01, 100, 1 },
+    { "f0", "", "none scalar rgb",
+      "HBIL_NEAR_LIGHT || HBIL_FAR_LIGHT",
+      "factor 1 - F0 of near and far light: none, from the red channel or per channel of u_f0. metals get none",
+      "Mayaux 2018 sec. 2.3.3",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, f0), 1, 3, 1 },
+    { "ao_exponent", "1", "",
+      "HBIL_AO || HBIL_BENT",
+      "power of ao and of what it weighs; other than 1 is taste, not physics",
+      "YPipeline HBIL article",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_AO_EXPONENT, (uint32_t)offsetof(hbil_config, ao_exponent), 0.1, 8, 1 },
+    { "bounce", "", "closed cubic",
+      "HBIL_OUTPUTS_MULTI_BOUNCE",
+      "multi-bounce ao of albedo r and visibility v: v / (1 - r (1 - v)), or the cubic fit",
+      "project, Jimenez 2016",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, bounce), 1, 2, 1 },
+    { "roughness", "perceptual", "",
+      "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
+      "roughness of every surface; 0 reads it from u_roughness",
+      "Jimenez 2016",
+      HBIL_KIND_FLOAT, HBIL_DYNAMIC_ROUGHNESS, (uint32_t)offsetof(hbil_config, roughness), 0.02, 1, 0 },
     { "projection", "", "perspective orthographic",
       "",
       "camera; off-centre and jittered matrices are fine",
@@ -479,6 +690,21 @@ static const hbil_option hbil__options[] = {
       "normal input: in view space, in world space, or none: rebuilt from depth",
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, normals), 1, 3, 1 },
+    { "normal_encoding", "", "xyz xyz_unorm octahedral octahedral_unorm octahedral_888 xy xy_unorm",
+      "!HBIL_NORMALS_DEPTH",
+      "channels of u_normal: xyz, octahedral xy, or xy of a normal that faces the camera; signed or [0, 1]; 888 is two 12-bit halves",
+      "Meyer 2010, Mayaux 2018 sec. 3.1",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, normal_encoding), 1, 7, 1 },
+    { "multisample", "", "no yes",
+      "",
+      "u_depth and u_normal are multisampled textures, of which one sample is read",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, multisample), 1, 2, 1 },
+    { "sample", "index", "",
+      "HBIL_MULTISAMPLE_YES",
+      "sample that is read of a multisampled texture",
+      "project",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, sample), 1, 31, 0 },
     { "width", "pixels", "",
       "",
       "render width baked into the text; 0 keeps the size a uniform",
@@ -489,22 +715,181 @@ static const hbil_option hbil__options[] = {
       "render height baked into the text, together with width",
       "project",
       HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, height), 1, 16384, 0 },
-    { "seed_compat", "", "screen_azimuth slice_mean",
+    { "seed_compat", "", "screen_azimuth slice_mean noise_2pi uniform_bent cone_relation f0_ao",
       "",
-      "arithmetic of older articles, to see the difference: slices uniform on the screen; mean over slices, no ratio",
-      "YPipeline HBIL article",
-      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, seed_compat), 0, 3, 0 },
-    { "dynamic", "", "slices steps exponent reach falloff bias pull sky_depth",
+      "arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao)",
+      "YPipeline HBIL article, Mayaux 2018",
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, seed_compat), 0, 63, 0 },
+    { "dynamic", "", "slices steps exponent reach falloff thickness decay bias angle_bias multiplier pull firefly near_intensity far_intensity ao_exponent roughness sky_depth",
       "",
       "options kept as uniforms that may change from frame to frame; all others are literals in the text",
       "project",
-      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 255, 0 },
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 131071, 0 },
 };
-static const struct { const char *name, *config, *meaning; } hbil__presets[] = {
-    { "fast", "slices=2 steps=4", "for weak GPUs; noisy without a filter" },
-    { "balanced", "", "the defaults" },
-    { "quality", "slices=6 steps=12", "four times the samples of balanced" },
-    { "reference", "slices=64 steps=256 sampling=bilinear", "close to the surface's exact light; for comparisons, not for games" },
+static const struct { const char *name, *expression; } hbil__symbols[] = {
+    { "COSINE", "HBIL_ESTIMATOR_HORIZON || HBIL_ESTIMATOR_BITMASK" }, /* cosine-weighted estimators: near + ao = 1 */
+    { "NEAR_LIGHT", "HBIL_OUTPUTS_NEAR || ((HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && HBIL_COSINE)" }, /* u_near is written */
+    { "GATHER", "HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH" }, /* the march reads radiance */
+    { "FAR_LIGHT", "!HBIL_ENVIRONMENT_NONE" }, /* far light is computed */
+    { "FAR_BITS", "HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_FREE_BITS" }, /* the march samples the environment, per group of free sectors */
+    { "FAR_HERE", "HBIL_FAR_LIGHT && !HBIL_FAR_VISIBILITY_FREE_BITS" }, /* the light pass samples the environment, once */
+    { "FAR_BENT", "HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_FAR_VISIBILITY_AO" }, /* far light needs the bent vector */
+    { "FITTED", "HBIL_SEED_COMPAT_F0_AO && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* far light weighs by F0(ao) */
+    { "BENT", "HBIL_OUTPUTS_BENT || HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT" }, /* u_bent is written */
+    { "LIGHT_AO", "HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_OUTPUTS_MULTI_BOUNCE || HBIL_FAR_HERE" }, /* the light pass reads u_ao */
+    { "AO", "HBIL_OUTPUTS_AO || HBIL_LIGHT_AO" }, /* u_ao is written */
+    { "SUMS", "HBIL_AO || HBIL_BENT || HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* the ratio of the slices is needed */
+};
+static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
+    { "HBIL_OUTPUTS_NEAR && !HBIL_COSINE",
+      "near light needs an estimator of cosine-weighted arcs; hbao and hbao_plus have none", "outputs=ao" },
+    { "HBIL_OUTPUTS_SH && !HBIL_COSINE",
+      "sh of near light needs estimator horizon or bitmask", "outputs=ao" },
+    { "(HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && !HBIL_COSINE && HBIL_ENVIRONMENT_NONE",
+      "hbao and hbao_plus gather no near light, and environment is none: nothing to add up", "outputs=ao" },
+    { "HBIL_OUTPUTS_UNIFORM_AO && !HBIL_COSINE",
+      "the ao of hbao is uniform already, and hbao_plus has no such measure", "outputs=ao" },
+    { "(HBIL_OUTPUTS_BENT || HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION) && !HBIL_COSINE",
+      "bent vector, cone and specular occlusion need estimator horizon or bitmask", "outputs=ao" },
+    { "HBIL_OUTPUTS_MULTI_BOUNCE && (HBIL_GATHER || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)",
+      "multi_bounce next to near light counts the same energy twice", "outputs=ao+multi_bounce" },
+    { "HBIL_OUTPUTS_FAR && HBIL_ENVIRONMENT_NONE",
+      "outputs=far without an environment", "environment=sh" },
+    { "HBIL_OCCLUDER_THICK && HBIL_ESTIMATOR_HORIZON",
+      "one horizon per side cannot hold the gap behind a thin occluder", "estimator=bitmask" },
+    { "HBIL_OCCLUDER_HEURISTIC && HBIL_ESTIMATOR_BITMASK",
+      "sectors do not sink; the bitmask has thickness itself", "occluder=thick" },
+    { "HBIL_FAR_LIGHT && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_COSINE && !HBIL_FAR_VISIBILITY_AO",
+      "hbao and hbao_plus have no bent vector", "far_visibility=ao" },
+    { "HBIL_FAR_BITS && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_ESTIMATOR_BITMASK",
+      "only the bitmask has sectors", "far_visibility=bent" },
+    { "HBIL_SEED_COMPAT_UNIFORM_BENT && HBIL_ESTIMATOR_BITMASK && HBIL_BENT",
+      "seed_compat=uniform_bent is arithmetic of horizons", "seed_compat=none" },
+    { "HBIL_FAR_VISIBILITY_CONE && (HBIL_ENVIRONMENT_CUBE || HBIL_ENVIRONMENT_HOOK)",
+      "only spherical harmonics have a closed form for a cone", "far_visibility=bent" },
+    { "(HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM) && HBIL_NORMALS_WORLD",
+      "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
+};
+static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
+    { "fast", "for weak GPUs; noisy without a filter",
+      "slices=2 steps=4",
+      "slices=2: project\n"
+      "steps=4: project\n" },
+    { "balanced", "the defaults",
+      "", "" },
+    { "quality", "four times the samples of balanced",
+      "slices=6 steps=12",
+      "slices=6: project\n"
+      "steps=12: project\n" },
+    { "reference", "close to the surface's exact light; for comparisons, not for games",
+      "slices=64 steps=256 sampling=bilinear",
+      "slices=64: project\n"
+      "steps=256: project\n"
+      "sampling=bilinear: project: tests/numeric/README.md\n" },
+    { "hbao", "sin h - sin t of Bavoil 2008: uniform ao, weight per sample",
+      "outputs=ao estimator=hbao slices=4 steps=6 sampling=nearest spacing=power exponent=1 reach=1 attenuation=quadratic angle_bias=0.1 ao_exponent=1 noise=hilbert_r2",
+      "outputs=ao: HBAO + GTAO article, HBAO: Principle\n"
+      "estimator=hbao: HBAO + GTAO article, HBAO: Mathematics\n"
+      "slices=4: HBAO + GTAO article, fig. 22: 8 one-sided directions\n"
+      "steps=6: HBAO Unity article, Ray marching: STEP_COUNT 6\n"
+      "sampling=nearest: HBAO Unity article, Ray marching: round to a pixel\n"
+      "spacing=power: HBAO + GTAO article, HBAO: Step length\n"
+      "exponent=1: HBAO + GTAO article, HBAO: Step length, equal steps\n"
+      "reach=1: HBAO + GTAO article, fig. 19: Radius 1\n"
+      "attenuation=quadratic: HBAO + GTAO article, Marching: W(r) = 1 - r^2\n"
+      "angle_bias=0.1: HBAO Unity article, C# script: AngleBias 0.1\n"
+      "ao_exponent=1: project: the seed's pow 0.6 acts on occlusion, not on ao\n"
+      "noise=hilbert_r2: project: the seeds use a hash or a blue noise texture\n" },
+    { "hbao_plus", "disc-sampled obscurance of HBAO+; ao only",
+      "outputs=ao estimator=hbao_plus slices=4 steps=4 spacing=power exponent=1 sampling=nearest reach=1 attenuation=quadratic angle_bias=0.1 multiplier=1.39 ao_exponent=2 noise=hilbert_r2",
+      "outputs=ao: HBAO + GTAO article, HBAO+ method\n"
+      "estimator=hbao_plus: HBAO + GTAO article, HBAO+ method: ComputeAO\n"
+      "slices=4: NVIDIA HBAO+, SharedDefines.h: NUM_DIRECTIONS 8\n"
+      "steps=4: NVIDIA HBAO+, SharedDefines.h: NUM_STEPS 4\n"
+      "spacing=power: NVIDIA HBAO+, CoarseAO_PS.hlsl: StepSizePixels\n"
+      "exponent=1: NVIDIA HBAO+, CoarseAO_PS.hlsl: equal steps\n"
+      "sampling=nearest: NVIDIA HBAO+, CoarseAO_PS.hlsl: SnappedUV\n"
+      "reach=1: NVIDIA HBAO+, GFSDK_SSAO.h: Radius 1\n"
+      "attenuation=quadratic: NVIDIA HBAO+, CoarseAO_PS.hlsl: Falloff\n"
+      "angle_bias=0.1: NVIDIA HBAO+, GFSDK_SSAO.h: Bias 0.1\n"
+      "multiplier=1.39: project: mean weight of NVIDIA HBAO+, whose first step counts twice\n"
+      "ao_exponent=2: NVIDIA HBAO+, GFSDK_SSAO.h: PowerExponent 2\n"
+      "noise=hilbert_r2: project: HBAO+ has a 4x4 random texture\n" },
+    { "gtao", "cosine arcs, sinking horizons, multi-bounce ao, specular occlusion",
+      "outputs=ao+specular_occlusion+multi_bounce estimator=horizon slices=4 steps=4 spacing=power exponent=1 sampling=nearest reach=1 falloff=0.615 occluder=heuristic decay=0.1 bounce=cubic ao_exponent=1 noise=hilbert_r2",
+      "outputs=ao+specular_occlusion+multi_bounce: Jimenez 2016: GTAO, multi-bounce, GTSO\n"
+      "estimator=horizon: HBAO + GTAO article, GTAO: Integral\n"
+      "slices=4: HBAO + GTAO article, GTAO: Noise, NUM_DIRECTIONS 4\n"
+      "steps=4: HBAO + GTAO article, GTAO: Noise, NUM_STEPS 4\n"
+      "spacing=power: HBAO + GTAO article, GTAO: Noise, offset\n"
+      "exponent=1: HBAO + GTAO article, GTAO: Noise, equal steps\n"
+      "sampling=nearest: HBAO + GTAO article, GTAO: Computing AO, LoadDepth\n"
+      "reach=1: HBAO + GTAO article, fig. 19; GTAO: same radius as HBAO\n"
+      "falloff=0.615: XeGTAO, XeGTAO.h: FALLOFF_RANGE; the article cuts hard\n"
+      "occluder=heuristic: Jimenez 2016: thickness heuristic\n"
+      "decay=0.1: project: inside 0.03 .. 0.15 of open implementations\n"
+      "bounce=cubic: Jimenez 2016: multi-bounce fit\n"
+      "ao_exponent=1: project: no power in the article\n"
+      "noise=hilbert_r2: XeGTAO; Jimenez 2016 has a 4x4 pattern\n" },
+    { "hbil_paper", "near light, bent cone and SH environment of Mayaux 2018",
+      "outputs=ao+cone+near+far+composite estimator=horizon slices=2 steps=8 spacing=power exponent=1 sampling=nearest reach=4 falloff=0.01 occluder=height_field facing=filter f0=scalar near_intensity=1 far_intensity=1 ao_exponent=1 environment=sh sh_order=2 far_visibility=cone noise=hilbert_r2",
+      "outputs=ao+cone+near+far+composite: Mayaux 2018 sec. 2.2, 2.3, eq. 17\n"
+      "estimator=horizon: Mayaux 2018 sec. 2.3.2, eq. 18\n"
+      "slices=2: Mayaux 2018 sec. 3.3, 3.5: 2 slices per pixel\n"
+      "steps=8: Mayaux 2018 sec. 3.5: 16 samples per direction, 8 a side\n"
+      "spacing=power: project: no step rule in Mayaux 2018; its code is linear\n"
+      "exponent=1: project: no step rule in Mayaux 2018; its code is linear\n"
+      "sampling=nearest: project: Mayaux 2018 silent; its code reads texels\n"
+      "reach=4: project: Mayaux 2018 gives none; 4 m in its test program\n"
+      "falloff=0.01: project: Mayaux 2018 has none; the least we have\n"
+      "occluder=height_field: Mayaux 2018 sec. 1, fig. 3\n"
+      "facing=filter: Mayaux 2018 sec. 3.4\n"
+      "f0=scalar: Mayaux 2018 sec. 2.3.3, eq. 19; sec. 3.1: luminance\n"
+      "near_intensity=1: Mayaux 2018 eq. 17: no factor\n"
+      "far_intensity=1: Mayaux 2018 eq. 17: no factor\n"
+      "ao_exponent=1: Mayaux 2018 eq. 11: no power\n"
+      "environment=sh: Mayaux 2018 sec. 2.2.4\n"
+      "sh_order=2: Mayaux 2018 sec. 2.2.4: order 2, 9 coefficients\n"
+      "far_visibility=cone: Mayaux 2018 sec. 2.2.4: reduced cone\n"
+      "noise=hilbert_r2: project: Mayaux 2018 sec. 3.3 rotates in 4x4 pixels\n" },
+    { "hbil_screen", "near light of the whole screen, probe light behind it: YPipeline",
+      "outputs=ao+near+far+composite estimator=horizon slices=3 steps=6 spacing=power exponent=1.5 sampling=nearest reach=0 occluder=height_field facing=none f0=none near_intensity=1 far_intensity=1 ao_exponent=0.75 environment=sh sh_order=2 far_visibility=direction noise=hilbert_r2",
+      "outputs=ao+near+far+composite: project: the article stores near + far only\n"
+      "estimator=horizon: YPipeline HBIL article, Slice integral\n"
+      "slices=3: YPipeline HBIL article, Results: Direction Count 3\n"
+      "steps=6: YPipeline HBIL article, Results: Step Count 6\n"
+      "spacing=power: YPipeline HBIL article, Range of influence\n"
+      "exponent=1.5: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
+      "sampling=nearest: YPipeline HBIL article, Full code: int2 sampleCoord\n"
+      "reach=0: YPipeline HBIL article, Range of influence\n"
+      "occluder=height_field: YPipeline HBIL article, Full code: rising horizon\n"
+      "facing=none: YPipeline HBIL article, Full code: no normal of the source\n"
+      "f0=none: YPipeline HBIL article, Full code: no Fresnel factor\n"
+      "near_intensity=1: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
+      "far_intensity=1: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
+      "ao_exponent=0.75: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
+      "environment=sh: YPipeline HBIL article, Full code: FallbackAmbientProbe\n"
+      "sh_order=2: project: the article gives no order\n"
+      "far_visibility=direction: YPipeline HBIL article, AO and bent normal\n"
+      "noise=hilbert_r2: project: the article reads a blue noise texture\n" },
+    { "bitmask", "32 sectors of equal energy, thick occluders, light from behind them",
+      "outputs=ao+near+far+composite estimator=bitmask slices=2 steps=6 spacing=geometric reach=5 falloff=0.01 occluder=thick thickness=1 facing=half_space near_intensity=1 far_intensity=1 ao_exponent=1 environment=sh far_visibility=free_bits noise=ign",
+      "outputs=ao+near+far+composite: Therrien 2023: ao, indirect and ambient light\n"
+      "estimator=bitmask: Therrien 2023; equal energy: GT-VBAO\n"
+      "slices=2: project: SSRT3 has 1 x 12; one slice is biased by the ratio\n"
+      "steps=6: project: as many samples as SSRT3, 1 x 12 a side\n"
+      "spacing=geometric: GT-VBGI: steps as a geometric series\n"
+      "reach=5: SSRT3, SSRT_HDRP.cs: radius 5\n"
+      "falloff=0.01: SSRT3 has none; the least we have\n"
+      "occluder=thick: Therrien 2023: constant thickness\n"
+      "thickness=1: SSRT3, SSRT_HDRP.cs: thickness 1\n"
+      "facing=half_space: GT-VBGI: half-space mask of the source normal\n"
+      "near_intensity=1: project: SSRT3's 10 makes up for its two cosines\n"
+      "far_intensity=1: SSRT3, SSRT_HDRP.cs: fallbackIntensity 1\n"
+      "ao_exponent=1: SSRT3, SSRT_HDRP.cs: AOIntensity 1\n"
+      "environment=sh: project: SSRT3 reads probes, off by default\n"
+      "far_visibility=free_bits: SSRT3, SSRTCS.compute: hitCount per group\n"
+      "noise=ign: SSRT3, SSRTCS.compute: GradientNoise\n" },
 };
 /* >>gen options */
 
@@ -515,53 +900,95 @@ static const struct { const char *layout; uint32_t bytes; } hbil__formats[] = {
     { "r32ui", 4 },
     { "rgba32f", 16 },
 };
-static const struct { const char *name; uint16_t life, format; const char *wanted, *meaning; } hbil__textures[] = {
-    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+static const struct { const char *name; uint16_t life, format, dim; const char *wanted, *meaning; } hbil__textures[] = {
+    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, "",
       "depth as the option depth says. row 0 is ndc y = -1" },
-    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
-      "shading normal xyz in [-1, 1], unit length expected" },
-    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
-      "rgb radiance that leaves each surface and bounces, linear" },
-    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, "",
+      "shading normal as normals and normal_encoding say" },
+    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+      "rgb radiance that leaves each surface and bounces, linear; glowing surfaces included" },
+    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
       "rgb outgoing radiance without indirect light, linear" },
-    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, "",
+    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
       "rgb diffuse reflectance in [0, 1]" },
-    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, "",
+    { "f0", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+      "specular reflectance at normal incidence in [0, 1], r or rgb" },
+    { "roughness", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+      "r perceptual roughness in [0, 1]" },
+    { "sky", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_CUBE, "",
+      "rgb of the environment by world direction. E/pi, already blurred; with free_bits radiance" },
+    { "probes", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_3D, "",
+      "rgb SH radiance of a grid: nx * ny * (nz * coefficients), coefficient k in slab k of nz" },
+    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "",
       "view depth. m, 1e15 is sky" },
-    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, "",
+    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, "",
       "octahedral normal, 2 x snorm16; x right, y up, z into the screen" },
-    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, "HBIL_OUTPUTS_AO",
-      "cosine-weighted visibility. 1 is open, range [0, 1]" },
-    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_NEAR",
-      "near irradiance E/pi: multiply by albedo and be done. a = 1" },
-    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_BENT",
+    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_AO",
+      "visibility as the estimator weighs it. 1 is open, range [0, 1]" },
+    { "uniform_ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_UNIFORM_AO",
+      "visible part of the hemisphere's solid angle. 1 is open, range [0, 1]" },
+    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_BENT",
       "cosine-weighted bent vector in view space, not normalised, length 2/3 when open. a = 1" },
-    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, "HBIL_OUTPUTS_COMPOSITE",
-      "direct + albedo * near. a = 1" },
+    { "cone", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_CONE",
+      "visible cone: xyz its axis in view space, the bent direction; a = cosine of its half angle" },
+    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_NEAR",
+      "near irradiance E/pi: multiply by albedo and be done. a = 1" },
+    { "sh", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, "HBIL_OUTPUTS_SH",
+      "layers Y00 Y1-1 Y10 Y11 in view space: rgb of near radiance, a of visibility" },
+    { "far", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_FAR",
+      "far irradiance E/pi, through the visible part only. a = 1" },
+    { "irradiance", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_IRRADIANCE",
+      "near + far irradiance E/pi: multiply by albedo and be done. a = 1" },
+    { "specular_occlusion", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
+      "visible part of the specular lobe. 1 is open, range [0, 1]" },
+    { "multi_bounce", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_MULTI_BOUNCE",
+      "rgb visibility after all bounces off surfaces of the pixel's albedo. a = 1" },
+    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_COMPOSITE",
+      "direct + albedo * (near + far). a = 1" },
 };
 static const struct { const char *name, *exists; uint16_t domain, group[2]; const char *meaning; } hbil__passes[] = {
-    { "prepare", "", 5, { 8, 8 },
+    { "prepare", "", 9, { 8, 8 },
       "depth of any convention to metres, normals to view space, sky classified on the raw value" },
-    { "march", "", 5, { 8, 8 },
-      "horizons of every slice; visibility, near light and bent vector from the same samples" },
-    { "composite", "HBIL_OUTPUTS_COMPOSITE", 10, { 8, 8 },
-      "reflected light: direct + albedo * near" },
+    { "march", "", 9, { 8, 8 },
+      "what each slice sees: visibility, near light and bent vector from the same samples" },
+    { "light", "HBIL_LIGHT_AO || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE", 9, { 8, 8 },
+      "what follows from visibility per pixel: cone, far light, sums, specular occlusion, bounces" },
 };
-static const struct { uint16_t pass, texture, access; } hbil__binds[] = {
-    { 0, 0, HBIL_ACCESS_SAMPLE }, /* prepare depth */
-    { 0, 1, HBIL_ACCESS_SAMPLE }, /* prepare normal */
-    { 0, 5, HBIL_ACCESS_WRITE }, /* prepare view_depth */
-    { 0, 6, HBIL_ACCESS_WRITE }, /* prepare view_normal */
-    { 1, 5, HBIL_ACCESS_SAMPLE }, /* march view_depth */
-    { 1, 6, HBIL_ACCESS_SAMPLE }, /* march view_normal */
-    { 1, 2, HBIL_ACCESS_SAMPLE }, /* march radiance */
-    { 1, 7, HBIL_ACCESS_WRITE }, /* march ao */
-    { 1, 8, HBIL_ACCESS_WRITE }, /* march near */
-    { 1, 9, HBIL_ACCESS_WRITE }, /* march bent */
-    { 2, 3, HBIL_ACCESS_SAMPLE }, /* composite direct */
-    { 2, 4, HBIL_ACCESS_SAMPLE }, /* composite albedo */
-    { 2, 8, HBIL_ACCESS_SAMPLE }, /* composite near */
-    { 2, 10, HBIL_ACCESS_WRITE }, /* composite composite */
+static const struct { uint16_t pass, texture, access; const char *when; } hbil__binds[] = {
+    { 0, 0, HBIL_ACCESS_SAMPLE, "" }, /* prepare depth */
+    { 0, 1, HBIL_ACCESS_SAMPLE, "" }, /* prepare normal */
+    { 0, 9, HBIL_ACCESS_WRITE, "" }, /* prepare view_depth */
+    { 0, 10, HBIL_ACCESS_WRITE, "" }, /* prepare view_normal */
+    { 1, 9, HBIL_ACCESS_SAMPLE, "" }, /* march view_depth */
+    { 1, 10, HBIL_ACCESS_SAMPLE, "" }, /* march view_normal */
+    { 1, 2, HBIL_ACCESS_SAMPLE, "" }, /* march radiance */
+    { 1, 5, HBIL_ACCESS_SAMPLE, "" }, /* march f0 */
+    { 1, 7, HBIL_ACCESS_SAMPLE, "" }, /* march sky */
+    { 1, 8, HBIL_ACCESS_SAMPLE, "" }, /* march probes */
+    { 1, 11, HBIL_ACCESS_WRITE, "" }, /* march ao */
+    { 1, 12, HBIL_ACCESS_WRITE, "" }, /* march uniform_ao */
+    { 1, 13, HBIL_ACCESS_WRITE, "" }, /* march bent */
+    { 1, 15, HBIL_ACCESS_WRITE, "" }, /* march near */
+    { 1, 16, HBIL_ACCESS_WRITE, "" }, /* march sh */
+    { 1, 17, HBIL_ACCESS_WRITE, "HBIL_FAR_BITS" }, /* march far */
+    { 2, 9, HBIL_ACCESS_SAMPLE, "" }, /* light view_depth */
+    { 2, 10, HBIL_ACCESS_SAMPLE, "" }, /* light view_normal */
+    { 2, 11, HBIL_ACCESS_SAMPLE, "" }, /* light ao */
+    { 2, 13, HBIL_ACCESS_SAMPLE, "" }, /* light bent */
+    { 2, 15, HBIL_ACCESS_SAMPLE, "" }, /* light near */
+    { 2, 17, HBIL_ACCESS_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
+    { 2, 3, HBIL_ACCESS_SAMPLE, "" }, /* light direct */
+    { 2, 4, HBIL_ACCESS_SAMPLE, "" }, /* light albedo */
+    { 2, 5, HBIL_ACCESS_SAMPLE, "" }, /* light f0 */
+    { 2, 6, HBIL_ACCESS_SAMPLE, "" }, /* light roughness */
+    { 2, 7, HBIL_ACCESS_SAMPLE, "" }, /* light sky */
+    { 2, 8, HBIL_ACCESS_SAMPLE, "" }, /* light probes */
+    { 2, 14, HBIL_ACCESS_WRITE, "" }, /* light cone */
+    { 2, 17, HBIL_ACCESS_WRITE, "!HBIL_FAR_BITS" }, /* light far */
+    { 2, 18, HBIL_ACCESS_WRITE, "" }, /* light irradiance */
+    { 2, 19, HBIL_ACCESS_WRITE, "" }, /* light specular_occlusion */
+    { 2, 20, HBIL_ACCESS_WRITE, "" }, /* light multi_bounce */
+    { 2, 21, HBIL_ACCESS_WRITE, "" }, /* light composite */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -572,16 +999,31 @@ static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__
       "render size. pixels" },
     { HBIL_TYPE_MAT3, "mat3", "HBIL_WORLD_TO_VIEW",
       "rotation from world to view space, z into the screen" },
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_EYE",
+      "xyz position of the eye in the world. m" },
     { HBIL_TYPE_FLOAT, "float", "HBIL_VIEW_Z",
       "z of the camera's forward axis in your view space. -1 right-handed, +1 left-handed" },
     { HBIL_TYPE_UINT, "uint", "HBIL_FRAME_INDEX",
       "frame number, advances the noise" },
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_FAR_COLOR",
+      "rgb radiance of a constant environment" },
+    { HBIL_TYPE_VEC4X4, "vec4x4", "HBIL_FAR_SH1",
+      "rgb SH radiance of the environment in world space: Y00 Y1-1 Y10 Y11" },
+    { HBIL_TYPE_VEC4X5, "vec4x5", "HBIL_FAR_SH2",
+      "rgb SH radiance of the environment in world space: Y2-2 Y2-1 Y20 Y21 Y22" },
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_PROBE_ORIGIN",
+      "xyz world position of probe (0, 0, 0). m" },
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_PROBE_SCALE",
+      "xyz probes per metre along each axis" },
 };
 /* >>gen passes */
 
 static const struct { const char *glsl; uint16_t size, align; } hbil__types[] = { /* std140, by hbil_type */
     { "", 0, 1 }, { "int", 4, 4 }, { "uint", 4, 4 }, { "float", 4, 4 }, { "vec2", 8, 8 }, { "ivec2", 8, 8 },
-    { "vec4", 16, 16 }, { "mat3", 48, 16 } };
+    { "vec4", 16, 16 }, { "mat3", 48, 16 }, { "vec4", 64, 16 }, { "vec4", 80, 16 } };
+static const char *const hbil__array_ends[] = { "", "", "", "", "", "", "", "", "[4]", "[5]" }; /* by hbil_type */
+static const char *const hbil__dims[] = { "", "2D", "2DMS", "2DArray", "Cube", "3D" }; /* by hbil_dim */
+static const char *const hbil__dim_names[] = { "", "2d", "2d_multisample", "2d_array", "cube", "3d" };
 static const char *const hbil__access_names[] = { "", "sample", "write" };
 static const char *const hbil__life_names[] = { "", "input", "output", "transient", "history" };
 
@@ -594,6 +1036,8 @@ static const char hbil__glsl_common_HBIL_SKY[] =
 "const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m\n";
 static const char hbil__glsl_common_HBIL_RADIANCE_MAX[] =
 "const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite\n";
+static const char hbil__glsl_common_HBIL_PI[] =
+"const float HBIL_PI = 3.141592654;\n";
 static const char hbil__glsl_common_hbil_position[] =
 "// Point seen at a pixel position (centres at .5) and view depth. m\n"
 "vec3 hbil_position(vec2 pixel, float z) {\n"
@@ -651,9 +1095,967 @@ static const char hbil__glsl_common_hbil_decode_normal[] =
 "    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));\n"
 "    return normalize(n);\n"
 "}\n";
+static const char hbil__glsl_common_hbil_load_depth[] =
+"float hbil_load_depth(ivec2 p) {\n"
+"    return texelFetch(u_view_depth, p, 0).r;\n"
+"}\n";
+static const char hbil__glsl_common_hbil_load_normal[] =
+"vec3 hbil_load_normal(ivec2 p) {\n"
+"    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);\n"
+"}\n";
+static const char hbil__glsl_common_hbil_direction[] =
+"// Unit vector along v; `other` where v is nothing.\n"
+"vec3 hbil_direction(vec3 v, vec3 other) {\n"
+"    float l2 = dot(v, v);\n"
+"    return l2 > 1e-12 ? v * inversesqrt(l2) : other;\n"
+"}\n";
+static const char hbil__glsl_common_hbil_diffuse[] =
+"// Part of the light that a surface does not mirror: 1 - F0. Metals get none.\n"
+"vec3 hbil_diffuse(ivec2 p) {\n"
+"#if HBIL_F0_RGB\n"
+"    return 1.0 - clamp(texelFetch(u_f0, p, 0).rgb, 0.0, 1.0);\n"
+"#else\n"
+"    return vec3(1.0 - clamp(texelFetch(u_f0, p, 0).r, 0.0, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_to_world[] =
+"// Direction from the space of the passes to the world.\n"
+"vec3 hbil_to_world(vec3 direction) {\n"
+"    return direction * HBIL_WORLD_TO_VIEW; // the transpose of a rotation is its inverse\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_world_position[] =
+"vec3 hbil_world_position(vec3 position) {\n"
+"    return hbil_to_world(position) + HBIL_EYE.xyz;\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_sh[] =
+"// Y00, Y1-1, Y10, Y11; Y2-2, Y2-1, Y20, Y21, Y22\n"
+"struct hbil_sh {\n"
+"    vec3 low[4];\n"
+"#if HBIL_SH_ORDER_2\n"
+"    vec3 high[5];\n"
+"#endif\n"
+"};\n";
+static const char hbil__glsl_environment_HBIL_SLABS[] =
+"#if HBIL_SH_ORDER_2\n"
+"const int HBIL_SLABS = 9; // coefficients of a probe\n"
+"#else\n"
+"const int HBIL_SLABS = 4; // coefficients of a probe\n"
+"#endif\n";
+static const char hbil__glsl_environment_hbil_load_sh[] =
+"#if HBIL_ENVIRONMENT_PROBES\n"
+"// Probes around a position, trilinear; beyond the grid its border goes on.\n"
+"hbil_sh hbil_load_sh(vec3 position) {\n"
+"    hbil_sh sh;\n"
+"    vec3 size = vec3(textureSize(u_probes, 0));\n"
+"    float slab = size.z / float(HBIL_SLABS);\n"
+"    vec3 cell = (hbil_world_position(position) - HBIL_PROBE_ORIGIN.xyz) * HBIL_PROBE_SCALE.xyz;\n"
+"    cell = clamp(cell, vec3(0.0), vec3(size.xy, slab) - 1.0) + 0.5; // half a texel from the next slab: none bleeds over\n"
+"    for (int k = 0; k < 4; ++k)\n"
+"        sh.low[k] = textureLod(u_probes, (cell + vec3(0.0, 0.0, float(k) * slab)) / size, 0.0).rgb;\n"
+"#if HBIL_SH_ORDER_2\n"
+"    for (int k = 0; k < 5; ++k)\n"
+"        sh.high[k] = textureLod(u_probes, (cell + vec3(0.0, 0.0, float(k + 4) * slab)) / size, 0.0).rgb;\n"
+"#endif\n"
+"    return sh;\n"
+"}\n"
+"#else\n"
+"hbil_sh hbil_load_sh(vec3 position) {\n"
+"    hbil_sh sh;\n"
+"    for (int k = 0; k < 4; ++k) sh.low[k] = HBIL_FAR_SH1[k].rgb;\n"
+"#if HBIL_SH_ORDER_2\n"
+"    for (int k = 0; k < 5; ++k) sh.high[k] = HBIL_FAR_SH2[k].rgb;\n"
+"#endif\n"
+"    return sh;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_environment_hbil_sh_sum[] =
+"// Each band at the unit direction d, times a factor: (1, 1, 1) is radiance, (1, 2/3, 1/4) E/pi of an open surface.\n"
+"vec3 hbil_sh_sum(hbil_sh sh, vec3 d, vec3 bands) {\n"
+"    vec3 sum = 0.282095 * bands.x * sh.low[0];\n"
+"    sum += 0.488603 * bands.y * (d.y * sh.low[1] + d.z * sh.low[2] + d.x * sh.low[3]);\n"
+"#if HBIL_SH_ORDER_2\n"
+"    sum += bands.z * (1.092548 * (d.x * d.y * sh.high[0] + d.y * d.z * sh.high[1] + d.z * d.x * sh.high[3])\n"
+"        + 0.315392 * (3.0 * d.z * d.z - 1.0) * sh.high[2] + 0.546274 * (d.x * d.x - d.y * d.y) * sh.high[4]);\n"
+"#endif\n"
+"    return sum;\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_cone_bands[] =
+"// E/pi of a surface that faces the axis of a cone and sees nothing else. t: cosine of its half angle. Mayaux 2018\n"
+"vec3 hbil_cone_bands(float t) {\n"
+"    float s2 = 1.0 - t * t;\n"
+"    return vec3(s2, (1.0 - t * t * t) * 2.0 / 3.0, 0.25 * s2 * (1.0 + 3.0 * t * t));\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_cone_cosine[] =
+"// Cosine of the half angle of the cone about its normal that has this cosine-weighted visibility.\n"
+"float hbil_cone_cosine(float ao) {\n"
+"#if HBIL_SEED_COMPAT_CONE_RELATION\n"
+"    return clamp(1.0 - ao, 0.0, 1.0); // the relation of uniform visibility\n"
+"#else\n"
+"    return sqrt(clamp(1.0 - ao, 0.0, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_fit[] =
+"// Share of the environment for a visibility.\n"
+"float hbil_fit(float ao) {\n"
+"#if HBIL_FITTED\n"
+"    return ao * (1.0 + 0.5 * exp2(0.75 * log2(max(1.0 - ao, 1e-6)))); // a fit meant for uniform visibility\n"
+"#else\n"
+"    return ao;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_far[] =
+"// Far irradiance E/pi. All in the space of the passes; bent is not normalised.\n"
+"vec3 hbil_far(vec3 position, vec3 n, float ao, vec3 bent) {\n"
+"#if HBIL_ENVIRONMENT_CONSTANT\n"
+"    return hbil_fit(ao) * HBIL_FAR_COLOR.rgb;\n"
+"#else\n"
+"#if HBIL_FAR_VISIBILITY_AO\n"
+"    vec3 d = hbil_to_world(n);\n"
+"#else\n"
+"    vec3 d = hbil_to_world(hbil_direction(bent, n));\n"
+"#endif\n"
+"#if HBIL_ENVIRONMENT_CUBE\n"
+"    return hbil_fit(ao) * textureLod(u_sky, d, 0.0).rgb;\n"
+"#elif HBIL_ENVIRONMENT_HOOK\n"
+"    return hbil_fit(ao) * hbil_far_hook(hbil_world_position(position), d, hbil_cone_cosine(ao));\n"
+"#elif HBIL_FAR_VISIBILITY_CONE\n"
+"    return hbil_sh_sum(hbil_load_sh(position), d, hbil_cone_bands(hbil_cone_cosine(ao)));\n"
+"#elif HBIL_FAR_VISIBILITY_BENT\n"
+"    // exact in bands 0 and 1, whatever is visible; band 2 as through the cone\n"
+"    vec3 bands = vec3(ao, length(bent), hbil_cone_bands(hbil_cone_cosine(ao)).z);\n"
+"    return hbil_sh_sum(hbil_load_sh(position), d, bands);\n"
+"#else\n"
+"    return hbil_fit(ao) * hbil_sh_sum(hbil_load_sh(position), d, vec3(1.0, 2.0 / 3.0, 0.25));\n"
+"#endif\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_environment_hbil_far_arc[] =
+"#if HBIL_FAR_BITS\n"
+"// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
+"// bent: their cosine-weighted directions in the space of the passes.\n"
+"vec3 hbil_far_arc(vec3 position, float energy, vec3 bent) {\n"
+"    vec3 d = hbil_to_world(normalize(bent));\n"
+"#if HBIL_ENVIRONMENT_CUBE\n"
+"    return energy * textureLod(u_sky, d, 0.0).rgb;\n"
+"#elif HBIL_ENVIRONMENT_HOOK\n"
+"    return energy * hbil_far_hook(hbil_world_position(position), d, 1.0);\n"
+"#else\n"
+"    return hbil_sh_sum(hbil_load_sh(position), d, vec3(energy, length(bent), energy));\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_hilbert[] =
+"// Index of a pixel along a Hilbert curve that fills a 64 x 64 tile: neighbours on screen stay close in the sequence.\n"
+"uint hbil_hilbert(uvec2 p) {\n"
+"    uint index = 0u;\n"
+"    for (uint side = 32u; side > 0u; side >>= 1) {\n"
+"        uvec2 r = uvec2((p.x & side) != 0u ? 1u : 0u, (p.y & side) != 0u ? 1u : 0u);\n"
+"        index += side * side * ((3u * r.x) ^ r.y);\n"
+"        if (r.y == 0u) {\n"
+"            if (r.x == 1u) p = uvec2(63u) - p;\n"
+"            p = p.yx;\n"
+"        }\n"
+"    }\n"
+"    return index;\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_gradient[] =
+"// Interleaved gradient noise in [0, 1). Jimenez 2014\n"
+"float hbil_gradient(vec2 p) {\n"
+"    return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_noise[] =
+"// x rotates the slices, y jitters the steps, z the edges of sectors. [0, 1)\n"
+"vec3 hbil_noise(ivec2 p) {\n"
+"#if HBIL_NOISE_HILBERT_R2\n"
+"    // R2 sequence in 32-bit fixed point: exact, the same on every device, for any frame number. Roberts 2018\n"
+"    uint index = hbil_hilbert(uvec2(p) & 63u) + 288u * HBIL_FRAME_INDEX;\n"
+"    uvec3 r2 = uvec3(3242174889u, 2447445414u, 2654435769u) * index + 2147483648u;\n"
+"    return vec3(r2 >> 8) / 16777216.0;\n"
+"#elif HBIL_NOISE_IGN\n"
+"    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);\n"
+"    return vec3(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)), hbil_gradient(q + vec2(31.0, 83.0)));\n"
+"#else\n"
+"    return vec3(0.5);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_arc[] =
+"// G(c) = acos(c) - c sqrt(1 - c c): twice the integral of sin^2 from the view vector to the horizon, c in [-1, 1].\n"
+"// Error 8e-5, monotone: no increment below is negative by more than rounding.\n"
+"float hbil_arc(float c) {\n"
+"    float a = abs(c);\n"
+"    float g = (1.0 - a) * sqrt(1.0 - a) * (1.570796327 + a * (0.354230314 - 0.042259066 * a));\n"
+"    return c < 0.0 ? HBIL_PI - g : g;\n"
+"}\n";
+static const char hbil__glsl_slice_HBIL_STRIDE[] =
+"#if HBIL_SAMPLING_BILINEAR\n"
+"const float HBIL_STRIDE = 0.125; // first sample, and least distance of two samples. pixels\n"
+"#else\n"
+"const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_offset[] =
+"// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, HBIL_STRIDE at t = 0\n"
+"float hbil_offset(float t, float reach_px) {\n"
+"#if HBIL_SPACING_GEOMETRIC\n"
+"    return HBIL_STRIDE * exp2(t * log2(max(reach_px / HBIL_STRIDE, 1.0)));\n"
+"#elif HBIL_EXPONENT_1\n"
+"    return HBIL_STRIDE + t * (reach_px - HBIL_STRIDE);\n"
+"#elif HBIL_EXPONENT_2\n"
+"    return HBIL_STRIDE + t * t * (reach_px - HBIL_STRIDE);\n"
+"#else\n"
+"    return HBIL_STRIDE + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - HBIL_STRIDE);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_border[] =
+"// Pixels from p along the unit direction d until the screen ends.\n"
+"float hbil_border(ivec2 p, vec2 d) {\n"
+"    vec2 room = mix(vec2(p), vec2(HBIL_SIZE - 1 - p), greaterThan(d, vec2(0.0))) + 0.5;\n"
+"    vec2 t = room / max(abs(d), vec2(1e-6));\n"
+"    return min(t.x, t.y);\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_reach[] =
+"// Pixels along the slice direction D in which the sphere of radius HBIL_REACH around the point shows: the tangent to\n"
+"// it from the eye, in the slice. The whole screen if the eye is inside.\n"
+"float hbil_reach(vec3 position, vec3 v, vec3 slice) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    float s = min(HBIL_REACH * inversesqrt(dot(position, position)), 1.0);\n"
+"    vec3 edge = slice * s - v * sqrt(1.0 - s * s);\n"
+"    if (s >= 1.0 || edge.z <= 1e-4) return 1e6;\n"
+"    return length((edge.xy / edge.z - position.xy / position.z) / HBIL_PIXEL_TO_RAY.xy);\n"
+"#else\n"
+"    return length(HBIL_REACH * slice.xy / HBIL_PIXEL_TO_RAY.xy);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_receiver[] =
+"// What the samples of a pixel have in common.\n"
+"struct hbil_receiver {\n"
+"    ivec2 pixel;\n"
+"    vec3 position; // pulled towards the camera\n"
+"    vec3 v;        // to the eye\n"
+"    vec3 n;        // n.v >= HBIL_FACING\n"
+"    float ny;      // n.v, the same in every slice\n"
+"};\n";
+static const char hbil__glsl_slice_HBIL_FACING[] =
+"const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes\n";
+static const char hbil__glsl_slice_hbil_turned[] =
+"// A shading normal may face away from the eye (interpolated, bumped): it is turned until it does not, since the\n"
+"// horizons of a slice then lie on both sides of V, which all closed forms below rely on.\n"
+"vec3 hbil_turned(vec3 n, vec3 v) {\n"
+"    float ny = dot(n, v);\n"
+"    return ny < HBIL_FACING ? normalize(n + (HBIL_FACING - ny) * v) : n;\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_receive[] =
+"hbil_receiver hbil_receive(ivec2 p, float z) {\n"
+"    hbil_receiver r;\n"
+"    r.pixel = p;\n"
+"    r.position = hbil_position(vec2(p) + 0.5, z - HBIL_PULL * abs(z));\n"
+"    r.v = hbil_view_vector(vec2(p) + 0.5);\n"
+"    r.n = hbil_turned(hbil_load_normal(p), r.v);\n"
+"    r.ny = dot(r.n, r.v);\n"
+"    return r;\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_surface_depth[] =
+"#if HBIL_SAMPLING_BILINEAR\n"
+"// Depth of the surface between four pixel centres: bilinear in nearness, so that planes are exact. HBIL_SKY where a\n"
+"// corner is sky or off the screen.\n"
+"float hbil_surface_depth(vec2 pixel) {\n"
+"    ivec2 p = ivec2(floor(pixel - 0.5));\n"
+"    vec2 f = pixel - 0.5 - vec2(p);\n"
+"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p + 1, HBIL_SIZE))) return HBIL_SKY;\n"
+"    vec4 z = vec4(hbil_load_depth(p), hbil_load_depth(p + ivec2(1, 0)),\n"
+"        hbil_load_depth(p + ivec2(0, 1)), hbil_load_depth(p + ivec2(1, 1)));\n"
+"    if (max(max(z.x, z.y), max(z.z, z.w)) >= HBIL_SKY) return HBIL_SKY;\n"
+"    return hbil_depth_of(mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), f.x),\n"
+"        mix(hbil_nearness(z.z), hbil_nearness(z.w), f.x), f.y));\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_side[] =
+"// One side of a slice.\n"
+"struct hbil_side {\n"
+"    vec3 tangent;   // D, or -D for the back\n"
+"    vec2 d;         // its direction on the screen, unit\n"
+"    float reach_px; // pixels to search\n"
+"    float jitter;\n"
+"    float nx;       // normal along the tangent\n"
+"    float c0;       // horizon of the tangent plane, where the search starts\n"
+"};\n";
+static const char hbil__glsl_slice_hbil_side_of[] =
+"// back: -1 for the side of -D, 1 for the other one.\n"
+"hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float back) {\n"
+"    hbil_side s;\n"
+"    s.tangent = back * slice;\n"
+"    s.d = back * d;\n"
+"    s.reach_px = hbil_border(r.pixel, s.d);\n"
+"#if !HBIL_REACH_0\n"
+"    s.reach_px = min(s.reach_px, hbil_reach(r.position, r.v, s.tangent));\n"
+"#endif\n"
+"    s.jitter = jitter;\n"
+"    s.nx = dot(r.n, s.tangent);\n"
+"    s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);\n"
+"    return s;\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_visit[] =
+"// Where a side's search is.\n"
+"struct hbil_visit {\n"
+"    float offset; // pixels from the receiver\n"
+"    vec2 pixel;   // centres at .5\n"
+"    float z;      // depth of the surface there, HBIL_SKY if there is none. m\n"
+"};\n";
+static const char hbil__glsl_slice_hbil_go[] =
+"// On to sample i: never the receiver itself, never one place twice. false: the side has ended.\n"
+"bool hbil_go(hbil_receiver r, hbil_side s, int i, inout hbil_visit at) {\n"
+"    at.offset = max(hbil_offset((float(i) + s.jitter) / float(HBIL_STEPS), s.reach_px), at.offset + HBIL_STRIDE);\n"
+"    if (at.offset > s.reach_px) return false;\n"
+"#if HBIL_SAMPLING_BILINEAR\n"
+"    at.pixel = vec2(r.pixel) + 0.5 + at.offset * s.d;\n"
+"    at.z = hbil_surface_depth(at.pixel);\n"
+"#else\n"
+"    ivec2 q = r.pixel + ivec2(floor(at.offset * s.d + 0.5));\n"
+"    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return false;\n"
+"    at.pixel = vec2(q) + 0.5;\n"
+"    at.z = hbil_load_depth(q);\n"
+"#endif\n"
+"    return true;\n"
+"}\n";
+static const char hbil__glsl_slice_hbil_fade[] =
+"#if !HBIL_REACH_0\n"
+"// What is left of an occluder at a distance. [0, 1]\n"
+"float hbil_fade(float distance) {\n"
+"    return clamp((1.0 - distance / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_load_radiance[] =
+"vec3 hbil_load_radiance(ivec2 p) {\n"
+"    vec3 radiance = hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
+"#if !HBIL_FIREFLY_0\n"
+"    radiance *= min(1.0, HBIL_FIREFLY / max(max(radiance.r, max(radiance.g, radiance.b)), 1e-30));\n"
+"#endif\n"
+"    return radiance;\n"
+"}\n";
+static const char hbil__glsl_slice_HBIL_FILTER_LOW[] =
+"const float HBIL_FILTER_LOW = -0.1; // cosine at a source up to which it faces away; Mayaux 2018 gives no value\n";
+static const char hbil__glsl_slice_HBIL_FILTER_HIGH[] =
+"const float HBIL_FILTER_HIGH = 0.1; // and from which on it faces the receiver\n";
+static const char hbil__glsl_slice_hbil_source[] =
+"#if HBIL_FACING_FILTER\n"
+"// Light of the pixel q, seen along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
+"// not\n"
+"// what lights the receiver: the last light that was accepted stands in.\n"
+"vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {\n"
+"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(q), along));\n"
+"    accepted = mix(accepted, hbil_load_radiance(q), t);\n"
+"    return accepted;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_sums[] =
+"// Sums over the slices.\n"
+"struct hbil_sums {\n"
+"#if !HBIL_COSINE\n"
+"    float hidden; // part that is occluded, as the estimator weighs it\n"
+"#endif\n"
+"#if HBIL_SUMS && HBIL_COSINE\n"
+"    float full;    // light of an open sky\n"
+"    float blocked; // the part of it that is hidden\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    vec3 near;     // what comes from there instead\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    vec3 bent;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    float uniform_open;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    vec4 sh_0;     // rgb near radiance, a visibility: integrals over solid angle, of 1\n"
+"    vec4 sh_x;     // and of the direction's components\n"
+"    vec4 sh_y;\n"
+"    vec4 sh_z;\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    vec3 far;\n"
+"#endif\n"
+"};\n";
+static const char hbil__glsl_slice_hbil_add_moments[] =
+"#if HBIL_OUTPUTS_SH\n"
+"// Directions that add up to m, seen with the given rgb radiance and a visibility.\n"
+"void hbil_add_moments(vec3 m, vec4 seen, inout hbil_sums sum) {\n"
+"    sum.sh_x += m.x * seen;\n"
+"    sum.sh_y += m.y * seen;\n"
+"    sum.sh_z += m.z * seen;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_light[] =
+"#if HBIL_GATHER\n"
+"// Light of a side. Its weight is the dot product of (nx, ny) with its moments, so one set of arcs gives both.\n"
+"struct hbil_light {\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"    vec3 mean; // radiance of what stands in front, so that a sinking horizon takes its share of all\n"
+"#else\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    vec3 near;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    vec3 sh_0; // integrals of L |sin|, L sin |sin|, L cos |sin| over the angle\n"
+"    vec3 sh_x;\n"
+"    vec3 sh_y;\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_FACING_FILTER\n"
+"    vec3 accepted;\n"
+"#endif\n"
+"};\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_dark[] =
+"#if HBIL_GATHER\n"
+"hbil_light hbil_dark() {\n"
+"    hbil_light light;\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"    light.mean = vec3(0.0);\n"
+"#else\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    light.near = vec3(0.0);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    light.sh_0 = vec3(0.0);\n"
+"    light.sh_x = vec3(0.0);\n"
+"    light.sh_y = vec3(0.0);\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_FACING_FILTER\n"
+"    light.accepted = vec3(0.0);\n"
+"#endif\n"
+"    return light;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_weight[] =
+"// Share of a Lambertian surface's light that comes from between the horizons c and higher >= c.\n"
+"float hbil_weight(float nx, float ny, float c, float higher) {\n"
+"    return max(0.5 * (nx * (hbil_arc(c) - hbil_arc(higher)) + ny * (higher - c) * (higher + c)), 0.0);\n"
+"}\n";
+static const char hbil__glsl_horizon_hbil_lit[] =
+"#if HBIL_FACING_HALF_SPACE\n"
+"// The part of the arc between horizons arc.x and arc.y from where the front of a source can be seen: w . normal < 0.\n"
+"vec2 hbil_lit(hbil_receiver r, hbil_side s, vec3 normal, vec2 arc) {\n"
+"    float x = dot(normal, s.tangent);\n"
+"    float y = dot(normal, r.v);\n"
+"    float edge = (y < 0.0 ? x : -x) * inversesqrt(max(x * x + y * y, 1e-20));\n"
+"    if (y < 0.0) arc.x = max(arc.x, edge);\n"
+"    else arc.y = min(arc.y, edge);\n"
+"    arc.y = max(arc.x, arc.y);\n"
+"    return arc;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_add_arc[] =
+"#if HBIL_GATHER\n"
+"// Add the light of the pixel q, seen along the unit vector `along`, through the arc between the horizons c and higher.\n"
+"void hbil_add_arc(hbil_receiver r, hbil_side s, ivec2 q, vec3 along, float c, float higher, inout hbil_light light) {\n"
+"#if HBIL_FACING_FILTER\n"
+"    vec3 radiance = hbil_source(q, along, light.accepted);\n"
+"#else\n"
+"    vec3 radiance = hbil_load_radiance(q);\n"
+"#endif\n"
+"    vec2 arc = vec2(c, higher);\n"
+"#if HBIL_FACING_HALF_SPACE\n"
+"    arc = hbil_lit(r, s, hbil_load_normal(q), arc);\n"
+"#endif\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"    float before = hbil_weight(s.nx, r.ny, s.c0, c);\n"
+"    float all = before + hbil_weight(s.nx, r.ny, c, higher);\n"
+"    light.mean = (light.mean * before + radiance * hbil_weight(s.nx, r.ny, arc.x, arc.y)) / max(all, 1e-20);\n"
+"#else\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    light.near += hbil_weight(s.nx, r.ny, arc.x, arc.y) * radiance;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    light.sh_0 += (arc.y - arc.x) * radiance;\n"
+"    light.sh_x += 0.5 * (hbil_arc(arc.x) - hbil_arc(arc.y)) * radiance;\n"
+"    light.sh_y += 0.5 * (arc.y - arc.x) * (arc.y + arc.x) * radiance;\n"
+"#endif\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_step[] =
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"// From the sample before to this one: where on the screen, and the nearness of the surface at both ends.\n"
+"struct hbil_step {\n"
+"    vec2 to;\n"
+"    vec2 way;\n"
+"    float from_nearness; // -1e30: no surface there\n"
+"    float to_nearness;\n"
+"};\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_add_corner[] =
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"// Light of one corner of the cell around a sample. It stands in front of the rays from c up to the one that meets the\n"
+"// surface where that is as near as the corner; the nearest corner (depth z_top) in front of all. Moves c there.\n"
+"void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, float z_top, float c_sample, inout float c,\n"
+"        inout hbil_light light) {\n"
+"    float z = hbil_load_depth(q);\n"
+"    float rise = step.to_nearness - step.from_nearness;\n"
+"    float t = rise > 0.0 && rise < 1e29 ? clamp((hbil_nearness(z) - step.from_nearness) / rise, 0.0, 1.0) : 1.0;\n"
+"    vec3 h = hbil_position(step.to - (1.0 - t) * step.way, z) - r.position;\n"
+"    vec3 along = h * inversesqrt(max(dot(h, h), 1e-30));\n"
+"    float low = c;\n"
+"    c = z <= z_top ? c_sample : clamp(dot(along, r.v), c, c_sample);\n"
+"    hbil_add_arc(r, s, q, along, low, c, light);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_add_cell[] =
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"// Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that\n"
+"// stand in front of it.\n"
+"void hbil_add_cell(hbil_receiver r, hbil_side s, hbil_step step, float c, float c_sample, inout hbil_light light) {\n"
+"    ivec2 q = ivec2(floor(step.to));\n"
+"    vec2 f = step.to - floor(step.to) - 0.5;\n"
+"    ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);\n"
+"    ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);\n"
+"    ivec2 second = abs(f.x) > abs(f.y) ? x : y;\n"
+"    float z_top = min(min(hbil_load_depth(q), hbil_load_depth(q + x)),\n"
+"        min(hbil_load_depth(q + y), hbil_load_depth(q + x + y)));\n"
+"    hbil_add_corner(r, s, step, q, z_top, c_sample, c, light);\n"
+"    hbil_add_corner(r, s, step, q + second, z_top, c_sample, c, light);\n"
+"    hbil_add_corner(r, s, step, q + x + y - second, z_top, c_sample, c, light);\n"
+"    hbil_add_corner(r, s, step, q + x + y, z_top, c_sample, c, light);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_HBIL_DECAY_STEPS[] =
+"const float HBIL_DECAY_STEPS = 8.0; // steps per side for which HBIL_DECAY is meant\n";
+static const char hbil__glsl_horizon_hbil_horizon[] =
+"// Highest horizon on one side of a slice, from that of the tangent plane on. Each rise adds the light of the arc that\n"
+"// the\n"
+"// sample fills.\n"
+"#if HBIL_GATHER\n"
+"float hbil_horizon(hbil_receiver r, hbil_side s, inout hbil_light light) {\n"
+"#else\n"
+"float hbil_horizon(hbil_receiver r, hbil_side s) {\n"
+"#endif\n"
+"    float c = s.c0;\n"
+"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"    hbil_step step;\n"
+"    step.to = at.pixel;\n"
+"    step.to_nearness = hbil_nearness(r.position.z);\n"
+"#endif\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"    // the same per side, whatever the number of steps\n"
+"    float sink = 1.0 - exp2(log2(1.0 - HBIL_DECAY) * HBIL_DECAY_STEPS / float(HBIL_STEPS));\n"
+"#endif\n"
+"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
+"        if (!hbil_go(r, s, i, at)) break;\n"
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"        step.way = at.pixel - step.to;\n"
+"        step.to = at.pixel;\n"
+"        step.from_nearness = step.to_nearness;\n"
+"        step.to_nearness = at.z < HBIL_SKY ? hbil_nearness(at.z) : -1e30;\n"
+"#endif\n"
+"        if (at.z >= HBIL_SKY) continue;\n"
+"        vec3 h = hbil_position(at.pixel, at.z) - r.position;\n"
+"        float l2 = max(dot(h, h), 1e-30);\n"
+"        float inv = inversesqrt(l2);\n"
+"        // at silhouettes h is nearly parallel to v and rounding takes the cosine above 1\n"
+"        float c_sample = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
+"#if !HBIL_REACH_0\n"
+"        // fade the horizon, not its weight: near + ao stays 1\n"
+"        c_sample = mix(s.c0, c_sample, hbil_fade(l2 * inv));\n"
+"#endif\n"
+"        if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {\n"
+"#if HBIL_GATHER\n"
+"#if HBIL_SAMPLING_BILINEAR\n"
+"            hbil_add_cell(r, s, step, c, c_sample, light);\n"
+"#else\n"
+"            hbil_add_arc(r, s, ivec2(at.pixel), h * inv, c, c_sample, light);\n"
+"#endif\n"
+"#endif\n"
+"            c = c_sample;\n"
+"        }\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"        else c = max(s.c0, mix(c, min(c, c_sample), sink));\n"
+"#endif\n"
+"    }\n"
+"    return c;\n"
+"}\n";
+static const char hbil__glsl_horizon_hbil_bent[] =
+"// Cosine-weighted bent vector of a slice with horizons cf, cb: x along D, y along V.\n"
+"#if HBIL_BENT\n"
+"vec2 hbil_bent(float nx, float ny, float cf, float cb) {\n"
+"#if HBIL_SEED_COMPAT_UNIFORM_BENT\n"
+"    return 0.5 * vec2(hbil_arc(cf) - hbil_arc(cb), 2.0 - cf * cf - cb * cb);\n"
+"#else\n"
+"    float sf2 = max(1.0 - cf * cf, 0.0);\n"
+"    float sb2 = max(1.0 - cb * cb, 0.0);\n"
+"    float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);\n"
+"    float c3 = cf * cf * cf + cb * cb * cb;\n"
+"    return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_add_light[] =
+"#if HBIL_GATHER\n"
+"// The light of a side into the sums; c: its horizon.\n"
+"void hbil_add_light(hbil_receiver r, hbil_side s, hbil_light light, float c, inout hbil_sums sum) {\n"
+"#if HBIL_OCCLUDER_HEURISTIC\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    sum.near += light.mean * hbil_weight(s.nx, r.ny, s.c0, c);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    vec2 moments = 0.5 * vec2(hbil_arc(s.c0) - hbil_arc(c), (c - s.c0) * (c + s.c0));\n"
+"    sum.sh_0.rgb += (c - s.c0) * light.mean;\n"
+"    hbil_add_moments(s.tangent * moments.x + r.v * moments.y, vec4(light.mean, 0.0), sum);\n"
+"#endif\n"
+"#else\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    sum.near += light.near;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.sh_0.rgb += light.sh_0;\n"
+"    hbil_add_moments(s.tangent, vec4(light.sh_x, 0.0), sum);\n"
+"    hbil_add_moments(r.v, vec4(light.sh_y, 0.0), sum);\n"
+"#endif\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_horizon_hbil_horizon_slice[] =
+"// Add the slice with tangent D and screen direction d.\n"
+"void hbil_horizon_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_sums sum) {\n"
+"    hbil_side front = hbil_side_of(r, slice, d, jitter, 1.0);\n"
+"    hbil_side back = hbil_side_of(r, slice, d, jitter, -1.0);\n"
+"    float nx = front.nx;\n"
+"#if HBIL_GATHER\n"
+"    hbil_light light = hbil_dark();\n"
+"    float cf = hbil_horizon(r, front, light);\n"
+"    hbil_add_light(r, front, light, cf, sum);\n"
+"    light = hbil_dark();\n"
+"    float cb = hbil_horizon(r, back, light);\n"
+"    hbil_add_light(r, back, light, cb, sum);\n"
+"#else\n"
+"    float cf = hbil_horizon(r, front);\n"
+"    float cb = hbil_horizon(r, back);\n"
+"#endif\n"
+"#if HBIL_SUMS\n"
+"    float g0 = hbil_arc(front.c0);\n"
+"    sum.full += nx * (g0 - 0.5 * HBIL_PI) + r.ny * (1.0 - front.c0 * front.c0);\n"
+"    sum.blocked += 0.5 * (nx * (2.0 * g0 - HBIL_PI - hbil_arc(cf) + hbil_arc(cb))\n"
+"        + r.ny * (cf * cf + cb * cb - 2.0 * front.c0 * front.c0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    sum.uniform_open += 0.5 * (2.0 - cf - cb);\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    vec2 b = hbil_bent(nx, r.ny, cf, cb);\n"
+"    sum.bent += b.x * slice + b.y * r.v;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.sh_0.a += 2.0 - cf - cb;\n"
+"    vec2 open = 0.5 * vec2(hbil_arc(cf) - hbil_arc(cb), 2.0 - cf * cf - cb * cb);\n"
+"    hbil_add_moments(open.x * slice + open.y * r.v, vec4(0.0, 0.0, 0.0, 1.0), sum);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_fan[] =
+"// A slice as its sectors lie.\n"
+"struct hbil_fan {\n"
+"    hbil_side front;\n"
+"    hbil_side back;\n"
+"    float ny;\n"
+"    float light_front; // of each side, open\n"
+"    float light_back;\n"
+"    float jitter;      // common to all edges: the expected number of sectors is exact\n"
+"};\n";
+static const char hbil__glsl_bitmask_hbil_edge_light[] =
+"// Light between the view vector and the horizon c of a side.\n"
+"float hbil_edge_light(float nx, float ny, float c) {\n"
+"    return 0.5 * (nx * hbil_arc(c) + ny * (1.0 - c) * (1.0 + c));\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_fan_of[] =
+"hbil_fan hbil_fan_of(hbil_receiver r, hbil_side front, hbil_side back, float jitter) {\n"
+"    float light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);\n"
+"    float light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);\n"
+"    return hbil_fan(front, back, r.ny, light_front, light_back, jitter);\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_edge[] =
+"// Sector edge of the horizon c of a side: 0 to 32.\n"
+"int hbil_edge(hbil_fan f, hbil_side s, bool is_back, float c) {\n"
+"    if (c <= s.c0) return is_back ? 0 : 32;\n"
+"    float light = hbil_edge_light(s.nx, f.ny, c);\n"
+"    float u = (f.light_back + (is_back ? -light : light)) / max(f.light_front + f.light_back, 1e-20);\n"
+"    return clamp(int(floor(32.0 * u + f.jitter)), 0, 32);\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_bits[] =
+"// Sectors from edge `low` to edge `high`. A shift by 32 is undefined, hence the detours.\n"
+"uint hbil_bits(int low, int high) {\n"
+"    int count = high - low;\n"
+"    return count > 0 ? (0xffffffffu >> uint(32 - max(count, 1))) << uint(min(low, 31)) : 0u;\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_lit_bits[] =
+"#if HBIL_FACING_HALF_SPACE\n"
+"// Sectors from where the front of a source can be seen: directions w with w . normal < 0.\n"
+"uint hbil_lit_bits(hbil_receiver r, hbil_fan f, vec3 normal) {\n"
+"    float x = dot(normal, f.front.tangent);\n"
+"    float y = dot(normal, r.v);\n"
+"    // the source's plane meets the slice in a line; of its two ends, the one above the receiver\n"
+"    float side = y * f.front.nx - x * r.ny < 0.0 ? -1.0 : 1.0;\n"
+"    vec2 end = side * vec2(y, -x) * inversesqrt(max(x * x + y * y, 1e-20));\n"
+"    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, end.y) : hbil_edge(f, f.front, false, end.y);\n"
+"    return side > 0.0 ? hbil_bits(edge, 32) : hbil_bits(0, edge);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_bitmask_hbil_turn[] =
+"// Direction of a sector's edge: x = -1 back or 1 front, y = its horizon. Newton's method on the root of the light below\n"
+"// the horizon, which is nearly linear in it: three rounds leave an error of 5e-5.\n"
+"vec2 hbil_turn(hbil_fan f, int edge) {\n"
+"    float light = float(edge) / 32.0 * (f.light_front + f.light_back) - f.light_back;\n"
+"    bool is_back = light < 0.0;\n"
+"    float nx = is_back ? f.back.nx : f.front.nx;\n"
+"    float c0 = is_back ? f.back.c0 : f.front.c0;\n"
+"    float all = max(is_back ? f.light_back : f.light_front, 1e-20);\n"
+"    float goal = sqrt(clamp(1.0 - abs(light) / all, 0.0, 1.0));\n"
+"    float c = mix(c0, 1.0, goal);\n"
+"    for (int i = 0; i < 3; ++i) {\n"
+"        float root = sqrt(clamp(1.0 - hbil_edge_light(nx, f.ny, c) / all, 1e-12, 1.0));\n"
+"        float slope = nx * sqrt(max((1.0 - c) * (1.0 + c), 0.0)) + f.ny * c;\n"
+"        c = clamp(c + 2.0 * (goal - root) * root * all / max(slope, 1e-6), c0, 1.0);\n"
+"    }\n"
+"    return vec2(is_back ? -1.0 : 1.0, edge == (is_back ? 0 : 32) ? c0 : c);\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_span[] =
+"// What a set of sectors holds, in coordinates of the slice: x along D, y along V.\n"
+"struct hbil_span {\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
+"    float angle;  // integral of |sin|\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    vec2 moments; // of direction |sin|\n"
+"#endif\n"
+"#if HBIL_BENT || HBIL_FAR_BITS\n"
+"    vec2 bent;    // of direction (n . direction) |sin|\n"
+"#endif\n"
+"};\n";
+static const char hbil__glsl_bitmask_hbil_span_to[] =
+"// From the view vector to an edge, signed.\n"
+"hbil_span hbil_span_to(hbil_fan f, vec2 edge) {\n"
+"    hbil_span to;\n"
+"    float side = edge.x;\n"
+"    float c = edge.y;\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
+"    to.angle = side * (1.0 - c);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    to.moments = 0.5 * vec2(hbil_arc(c), side * (1.0 - c) * (1.0 + c));\n"
+"#endif\n"
+"#if HBIL_BENT || HBIL_FAR_BITS\n"
+"    float s2 = max((1.0 - c) * (1.0 + c), 0.0);\n"
+"    float s3 = s2 * sqrt(s2);\n"
+"    to.bent = vec2(side * f.front.nx * (c * c * c - 3.0 * c + 2.0) + f.ny * s3,\n"
+"        f.front.nx * s3 + side * f.ny * (1.0 - c * c * c)) / 3.0;\n"
+"#endif\n"
+"    return to;\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_span_of[] =
+"// Sum over the runs of sectors.\n"
+"hbil_span hbil_span_of(hbil_fan f, uint bits) {\n"
+"    hbil_span sum;\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
+"    sum.angle = 0.0;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.moments = vec2(0.0);\n"
+"#endif\n"
+"#if HBIL_BENT || HBIL_FAR_BITS\n"
+"    sum.bent = vec2(0.0);\n"
+"#endif\n"
+"    while (bits != 0u) {\n"
+"        int low = findLSB(bits);\n"
+"        uint gaps = ~(bits >> uint(low));\n"
+"        int high = gaps == 0u ? 32 : low + findLSB(gaps);\n"
+"        hbil_span a = hbil_span_to(f, hbil_turn(f, low));\n"
+"        hbil_span b = hbil_span_to(f, hbil_turn(f, high));\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
+"        sum.angle += b.angle - a.angle;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"        sum.moments += b.moments - a.moments;\n"
+"#endif\n"
+"#if HBIL_BENT || HBIL_FAR_BITS\n"
+"        sum.bent += b.bent - a.bent;\n"
+"#endif\n"
+"        bits &= ~hbil_bits(low, high);\n"
+"    }\n"
+"    return sum;\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_add_bits[] =
+"#if HBIL_GATHER\n"
+"// Light of the pixel q (seen along the unit vector `along`) through sectors that nothing nearer has filled.\n"
+"#if HBIL_FACING_FILTER\n"
+"void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, vec3 along, uint bits, inout vec3 accepted,\n"
+"        inout hbil_sums sum) {\n"
+"    vec3 radiance = hbil_source(q, along, accepted);\n"
+"#else\n"
+"void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, uint bits, inout hbil_sums sum) {\n"
+"    vec3 radiance = hbil_load_radiance(q);\n"
+"#endif\n"
+"#if HBIL_FACING_HALF_SPACE\n"
+"    bits &= hbil_lit_bits(r, f, hbil_load_normal(q));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    sum.near += float(bitCount(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    hbil_span span = hbil_span_of(f, bits);\n"
+"    sum.sh_0.rgb += span.angle * radiance;\n"
+"    hbil_add_moments(span.moments.x * f.front.tangent + span.moments.y * r.v, vec4(radiance, 0.0), sum);\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_bitmask_hbil_low_end[] =
+"// Horizon at which an occluder ends that is seen at `position`.\n"
+"float hbil_low_end(hbil_receiver r, hbil_side s, vec3 position) {\n"
+"#if HBIL_OCCLUDER_THICK\n"
+"    // along the sample's own view ray\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    vec3 h = position + HBIL_THICKNESS * normalize(position) - r.position;\n"
+"#else\n"
+"    vec3 h = position + vec3(0.0, 0.0, HBIL_THICKNESS) - r.position;\n"
+"#endif\n"
+"    return clamp(dot(h, r.v) * inversesqrt(max(dot(h, h), 1e-30)), s.c0, 1.0);\n"
+"#else\n"
+"    return s.c0;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_fill[] =
+"// Fill the sectors that one side's samples hide.\n"
+"void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uint hidden, inout hbil_sums sum) {\n"
+"#if HBIL_FACING_FILTER\n"
+"    vec3 accepted = vec3(0.0);\n"
+"#endif\n"
+"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
+"        if (!hbil_go(r, s, i, at)) break;\n"
+"        if (at.z >= HBIL_SKY) continue;\n"
+"        vec3 position = hbil_position(at.pixel, at.z);\n"
+"        vec3 h = position - r.position;\n"
+"        float l2 = max(dot(h, h), 1e-30);\n"
+"        float inv = inversesqrt(l2);\n"
+"        float high = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
+"        float low = hbil_low_end(r, s, position);\n"
+"#if !HBIL_REACH_0\n"
+"        high = mix(low, high, hbil_fade(l2 * inv));\n"
+"#endif\n"
+"        if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;\n"
+"        int a = hbil_edge(f, s, is_back, low);\n"
+"        int b = hbil_edge(f, s, is_back, high);\n"
+"        uint bits = hbil_bits(min(a, b), max(a, b));\n"
+"#if HBIL_GATHER\n"
+"        uint fresh = bits & ~hidden;\n"
+"#if HBIL_FACING_FILTER\n"
+"        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), h * inv, fresh, accepted, sum);\n"
+"#else\n"
+"        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), fresh, sum);\n"
+"#endif\n"
+"#endif\n"
+"        hidden |= bits;\n"
+"    }\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
+"// Add the slice with tangent D and screen direction d.\n"
+"void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout hbil_sums sum) {\n"
+"    hbil_side front = hbil_side_of(r, slice, d, jitter.x, 1.0);\n"
+"    hbil_side back = hbil_side_of(r, slice, d, jitter.x, -1.0);\n"
+"    hbil_fan f = hbil_fan_of(r, front, back, jitter.y);\n"
+"    uint hidden = 0u;\n"
+"    hbil_fill(r, f, front, false, hidden, sum);\n"
+"    hbil_fill(r, f, back, true, hidden, sum);\n"
+"#if HBIL_SUMS\n"
+"    float full = f.light_front + f.light_back;\n"
+"    sum.full += full;\n"
+"    sum.blocked += full * float(bitCount(hidden)) / 32.0;\n"
+"#endif\n"
+"#if HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
+"    hbil_span open = hbil_span_of(f, ~hidden);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    sum.uniform_open += 0.5 * open.angle;\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    sum.bent += open.bent.x * slice + open.bent.y * r.v;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.sh_0.a += open.angle;\n"
+"    hbil_add_moments(open.moments.x * slice + open.moments.y * r.v, vec4(0.0, 0.0, 0.0, 1.0), sum);\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    for (int i = 0; i < 32; i += 8) {\n"
+"        uint bits = ~hidden & (0xffu << uint(i));\n"
+"        if (bits == 0u) continue;\n"
+"        vec2 b = hbil_span_of(f, bits).bent;\n"
+"        sum.far += hbil_far_arc(r.position, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);\n"
+"    }\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_hbao_hbil_attenuation[] =
+"// Weight of an occluder at a distance. [0, 1]\n"
+"float hbil_attenuation(float distance) {\n"
+"#if HBIL_REACH_0\n"
+"    return 1.0;\n"
+"#elif HBIL_ATTENUATION_LINEAR\n"
+"    return clamp(1.0 - distance / HBIL_REACH, 0.0, 1.0);\n"
+"#else\n"
+"    float d = distance / HBIL_REACH;\n"
+"    return clamp(1.0 - d * d, 0.0, 1.0);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_hbao_hbil_hbao[] =
+"#if HBIL_ESTIMATOR_HBAO\n"
+"// Occlusion of a side: sin h - sin t, where each rise counts with the weight of the sample that made it. The sine of an\n"
+"// elevation is the cosine of the angle to V.\n"
+"float hbil_hbao(hbil_receiver r, hbil_side s) {\n"
+"    float c = min(s.c0 + HBIL_ANGLE_BIAS, 1.0);\n"
+"    float hidden = 0.0;\n"
+"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
+"        if (!hbil_go(r, s, i, at)) break;\n"
+"        if (at.z >= HBIL_SKY) continue;\n"
+"        vec3 h = hbil_position(at.pixel, at.z) - r.position;\n"
+"        float distance = sqrt(max(dot(h, h), 1e-30));\n"
+"        float rise = clamp(dot(h, r.v) / distance, -1.0, 1.0) - c;\n"
+"        hidden += max(rise, 0.0) * hbil_attenuation(distance);\n"
+"        c += max(rise, 0.0);\n"
+"    }\n"
+"    return hidden;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_hbao_hbil_raised[] =
+"#if HBIL_ESTIMATOR_HBAO_PLUS\n"
+"// Sum over the samples of a side of how far each is raised above the tangent plane. It knows no horizon.\n"
+"float hbil_raised(hbil_receiver r, hbil_side s) {\n"
+"    float raised = 0.0;\n"
+"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
+"        if (!hbil_go(r, s, i, at)) break;\n"
+"        if (at.z >= HBIL_SKY) continue;\n"
+"        vec3 h = hbil_position(at.pixel, at.z) - r.position;\n"
+"        float distance = sqrt(max(dot(h, h), 1e-30));\n"
+"        raised += clamp(dot(r.n, h) / distance - HBIL_ANGLE_BIAS, 0.0, 1.0) * hbil_attenuation(distance);\n"
+"    }\n"
+"    return raised;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_hbao_hbil_hbao_slice[] =
+"// Add the slice with tangent D and screen direction d.\n"
+"void hbil_hbao_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_sums sum) {\n"
+"    hbil_side front = hbil_side_of(r, slice, d, jitter, 1.0);\n"
+"    hbil_side back = hbil_side_of(r, slice, d, jitter, -1.0);\n"
+"#if HBIL_ESTIMATOR_HBAO_PLUS\n"
+"    sum.hidden += HBIL_MULTIPLIER * (hbil_raised(r, front) + hbil_raised(r, back)) / float(HBIL_STEPS);\n"
+"#else\n"
+"    sum.hidden += 0.5 * (hbil_hbao(r, front) + hbil_hbao(r, back));\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "float hbil_load_raw_depth(ivec2 p) {\n"
+"#if HBIL_MULTISAMPLE_YES\n"
+"    return texelFetch(u_depth, p, HBIL_SAMPLE).r;\n"
+"#else\n"
 "    return texelFetch(u_depth, p, 0).r;\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_view_depth[] =
 "// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any\n"
@@ -684,10 +2086,45 @@ static const char hbil__glsl_prepare_hbil_view_depth[] =
 "    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_prepare_hbil_load_normal[] =
+static const char hbil__glsl_prepare_hbil_unfold[] =
+"#if HBIL_NORMAL_ENCODING_OCTAHEDRAL || HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM || HBIL_NORMAL_ENCODING_OCTAHEDRAL_888\n"
+"// Vector of an octahedral map with +z in its middle, not normalised. o in [-1, 1]\n"
+"vec3 hbil_unfold(vec2 o) {\n"
+"    vec3 n = vec3(o, 1.0 - abs(o.x) - abs(o.y));\n"
+"    float fold = max(-n.z, 0.0);\n"
+"    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));\n"
+"    return n;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_prepare_hbil_load_raw_normal[] =
 "#if !HBIL_NORMALS_DEPTH\n"
-"vec3 hbil_load_normal(ivec2 p) {\n"
-"    return texelFetch(u_normal, p, 0).xyz;\n"
+"// The normal as its channels say, not normalised.\n"
+"vec3 hbil_load_raw_normal(ivec2 p) {\n"
+"#if HBIL_MULTISAMPLE_YES\n"
+"    vec3 t = texelFetch(u_normal, p, HBIL_SAMPLE).xyz;\n"
+"#else\n"
+"    vec3 t = texelFetch(u_normal, p, 0).xyz;\n"
+"#endif\n"
+"#if HBIL_NORMAL_ENCODING_XYZ_UNORM\n"
+"    return t * 2.0 - 1.0;\n"
+"#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL\n"
+"    return hbil_unfold(t.xy);\n"
+"#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM\n"
+"    return hbil_unfold(t.xy * 2.0 - 1.0);\n"
+"#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888\n"
+"    // low bytes of x and y, then their high halves in one byte\n"
+"    uvec3 b = uvec3(clamp(t, 0.0, 1.0) * 255.0 + 0.5);\n"
+"    uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);\n"
+"    return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);\n"
+"#elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM\n"
+"#if HBIL_NORMAL_ENCODING_XY_UNORM\n"
+"    t = t * 2.0 - 1.0;\n"
+"#endif\n"
+"    // quantised channels may be longer than 1: the root is guarded. z towards the camera\n"
+"    return vec3(t.xy, -HBIL_VIEW_Z * sqrt(max(1.0 - dot(t.xy, t.xy), 0.0)));\n"
+"#else\n"
+"    return t;\n"
+"#endif\n"
 "}\n"
 "#endif\n";
 static const char hbil__glsl_prepare_hbil_neighbour[] =
@@ -723,9 +2160,9 @@ static const char hbil__glsl_prepare_hbil_view_normal[] =
 "    n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));\n"
 "    n = dot(n, v) < 0.0 ? -n : n;\n"
 "#elif HBIL_NORMALS_WORLD\n"
-"    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_normal(p);\n"
+"    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_raw_normal(p);\n"
 "#else\n"
-"    vec3 n = hbil_load_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"    vec3 n = hbil_load_raw_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
 "#endif\n"
 "    float l2 = dot(n, n);\n"
 "    return l2 > 1e-12 && l2 < 1e12 ? n * inversesqrt(l2) : v;\n"
@@ -738,323 +2175,42 @@ static const char hbil__glsl_prepare_main[] =
 "    imageStore(u_view_depth, p, vec4(z));\n"
 "    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));\n"
 "}\n";
-static const char hbil__glsl_march_HBIL_PI[] =
-"const float HBIL_PI = 3.141592654;\n";
-static const char hbil__glsl_march_hbil_load_depth[] =
-"float hbil_load_depth(ivec2 p) {\n"
-"    return texelFetch(u_view_depth, p, 0).r;\n"
-"}\n";
-static const char hbil__glsl_march_hbil_load_normal[] =
-"vec3 hbil_load_normal(ivec2 p) {\n"
-"    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);\n"
-"}\n";
-static const char hbil__glsl_march_hbil_load_radiance[] =
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"vec3 hbil_load_radiance(ivec2 p) {\n"
-"    return hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_hilbert[] =
-"// Index of a pixel along a Hilbert curve that fills a 64 x 64 tile: neighbours on screen stay close in the sequence.\n"
-"uint hbil_hilbert(uvec2 p) {\n"
-"    uint index = 0u;\n"
-"    for (uint side = 32u; side > 0u; side >>= 1) {\n"
-"        uvec2 r = uvec2((p.x & side) != 0u ? 1u : 0u, (p.y & side) != 0u ? 1u : 0u);\n"
-"        index += side * side * ((3u * r.x) ^ r.y);\n"
-"        if (r.y == 0u) {\n"
-"            if (r.x == 1u) p = uvec2(63u) - p;\n"
-"            p = p.yx;\n"
-"        }\n"
-"    }\n"
-"    return index;\n"
-"}\n";
-static const char hbil__glsl_march_hbil_gradient[] =
-"// Interleaved gradient noise in [0, 1). Jimenez 2014\n"
-"float hbil_gradient(vec2 p) {\n"
-"    return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));\n"
-"}\n";
-static const char hbil__glsl_march_hbil_noise[] =
-"// x rotates the slices, y jitters the steps. [0, 1)\n"
-"vec2 hbil_noise(ivec2 p) {\n"
-"#if HBIL_NOISE_HILBERT_R2\n"
-"    // R2 sequence in 32-bit fixed point: exact, the same on every device, for any frame number. Roberts 2018\n"
-"    uint index = hbil_hilbert(uvec2(p) & 63u) + 288u * HBIL_FRAME_INDEX;\n"
-"    uvec2 r2 = uvec2(3242174889u, 2447445414u) * index + 2147483648u;\n"
-"    return vec2(r2 >> 8) / 16777216.0;\n"
-"#elif HBIL_NOISE_IGN\n"
-"    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);\n"
-"    return vec2(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)));\n"
-"#else\n"
-"    return vec2(0.5);\n"
+static const char hbil__glsl_march_hbil_nothing[] =
+"hbil_sums hbil_nothing() {\n"
+"    hbil_sums sum;\n"
+"#if !HBIL_COSINE\n"
+"    sum.hidden = 0.0;\n"
 "#endif\n"
-"}\n";
-static const char hbil__glsl_march_hbil_arc[] =
-"// G(c) = acos(c) - c sqrt(1 - c c): twice the integral of sin^2 from the view vector to the horizon, c in [-1, 1].\n"
-"// Error 8e-5, monotone: no increment below is negative by more than rounding.\n"
-"float hbil_arc(float c) {\n"
-"    float a = abs(c);\n"
-"    float g = (1.0 - a) * sqrt(1.0 - a) * (1.570796327 + a * (0.354230314 - 0.042259066 * a));\n"
-"    return c < 0.0 ? HBIL_PI - g : g;\n"
-"}\n";
-static const char hbil__glsl_march_HBIL_STRIDE[] =
-"#if HBIL_SAMPLING_BILINEAR\n"
-"const float HBIL_STRIDE = 0.125; // first sample, and least distance of two samples. pixels\n"
-"#else\n"
-"const float HBIL_STRIDE = 1.0; // first sample, and least distance of two samples. pixels\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_offset[] =
-"// Distance of the sample t in [0, 1) from the pixel, for a reach of R pixels. pixels, HBIL_STRIDE at t = 0\n"
-"float hbil_offset(float t, float reach_px) {\n"
-"#if HBIL_SPACING_GEOMETRIC\n"
-"    return HBIL_STRIDE * exp2(t * log2(max(reach_px / HBIL_STRIDE, 1.0)));\n"
-"#elif HBIL_EXPONENT_1\n"
-"    return HBIL_STRIDE + t * (reach_px - HBIL_STRIDE);\n"
-"#elif HBIL_EXPONENT_2\n"
-"    return HBIL_STRIDE + t * t * (reach_px - HBIL_STRIDE);\n"
-"#else\n"
-"    return HBIL_STRIDE + exp2(HBIL_EXPONENT * log2(max(t, 1e-6))) * (reach_px - HBIL_STRIDE);\n"
+"#if HBIL_SUMS && HBIL_COSINE\n"
+"    sum.full = 0.0;\n"
+"    sum.blocked = 0.0;\n"
 "#endif\n"
-"}\n";
-static const char hbil__glsl_march_hbil_border[] =
-"// Pixels from p along the unit direction d until the screen ends.\n"
-"float hbil_border(ivec2 p, vec2 d) {\n"
-"    vec2 room = mix(vec2(p), vec2(HBIL_SIZE - 1 - p), greaterThan(d, vec2(0.0))) + 0.5;\n"
-"    vec2 t = room / max(abs(d), vec2(1e-6));\n"
-"    return min(t.x, t.y);\n"
-"}\n";
-static const char hbil__glsl_march_hbil_reach[] =
-"// Pixels along the slice direction D in which the sphere of radius HBIL_REACH around the point shows: the tangent to\n"
-"// it from the eye, in the slice. The whole screen if the eye is inside.\n"
-"float hbil_reach(vec3 position, vec3 v, vec3 slice) {\n"
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    float s = min(HBIL_REACH * inversesqrt(dot(position, position)), 1.0);\n"
-"    vec3 edge = slice * s - v * sqrt(1.0 - s * s);\n"
-"    if (s >= 1.0 || edge.z <= 1e-4) return 1e6;\n"
-"    return length((edge.xy / edge.z - position.xy / position.z) / HBIL_PIXEL_TO_RAY.xy);\n"
-"#else\n"
-"    return length(HBIL_REACH * slice.xy / HBIL_PIXEL_TO_RAY.xy);\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    sum.near = vec3(0.0);\n"
 "#endif\n"
-"}\n";
-static const char hbil__glsl_march_hbil_receiver[] =
-"// What the samples of a pixel have in common.\n"
-"struct hbil_receiver {\n"
-"    ivec2 pixel;\n"
-"    vec3 position; // pulled towards the camera\n"
-"    vec3 v;        // to the eye\n"
-"    vec3 n;        // n.v >= HBIL_FACING\n"
-"    float ny;      // n.v, the same in every slice\n"
-"};\n";
-static const char hbil__glsl_march_HBIL_FACING[] =
-"const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes\n";
-static const char hbil__glsl_march_hbil_receive[] =
-"// A shading normal may face away from the eye (interpolated, bumped): it is bent back until it does not, since the\n"
-"// horizons of a slice then lie on both sides of V, which all closed forms below rely on.\n"
-"hbil_receiver hbil_receive(ivec2 p, float z) {\n"
-"    hbil_receiver r;\n"
-"    r.pixel = p;\n"
-"    r.position = hbil_position(vec2(p) + 0.5, z - HBIL_PULL * abs(z));\n"
-"    r.v = hbil_view_vector(vec2(p) + 0.5);\n"
-"    r.n = hbil_load_normal(p);\n"
-"    r.ny = dot(r.n, r.v);\n"
-"    if (r.ny < HBIL_FACING) {\n"
-"        r.n = normalize(r.n + (HBIL_FACING - r.ny) * r.v);\n"
-"        r.ny = dot(r.n, r.v);\n"
-"    }\n"
-"    return r;\n"
-"}\n";
-static const char hbil__glsl_march_hbil_surface_depth[] =
-"#if HBIL_SAMPLING_BILINEAR\n"
-"// Depth of the surface between four pixel centres: bilinear in nearness, so that planes are exact. HBIL_SKY where a\n"
-"// corner is sky or off the screen.\n"
-"float hbil_surface_depth(vec2 pixel) {\n"
-"    ivec2 p = ivec2(floor(pixel - 0.5));\n"
-"    vec2 f = pixel - 0.5 - vec2(p);\n"
-"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p + 1, HBIL_SIZE))) return HBIL_SKY;\n"
-"    vec4 z = vec4(hbil_load_depth(p), hbil_load_depth(p + ivec2(1, 0)),\n"
-"        hbil_load_depth(p + ivec2(0, 1)), hbil_load_depth(p + ivec2(1, 1)));\n"
-"    if (max(max(z.x, z.y), max(z.z, z.w)) >= HBIL_SKY) return HBIL_SKY;\n"
-"    return hbil_depth_of(mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), f.x),\n"
-"        mix(hbil_nearness(z.z), hbil_nearness(z.w), f.x), f.y));\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_arc_light[] =
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"// Light of the pixel q through the arc between the horizons c and c_sample >= c.\n"
-"vec3 hbil_arc_light(ivec2 q, float nx, float ny, float c, float c_sample) {\n"
-"    float w = 0.5 * (nx * (hbil_arc(c) - hbil_arc(c_sample)) + ny * (c_sample - c) * (c_sample + c));\n"
-"    return max(w, 0.0) * hbil_load_radiance(q);\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_step[] =
-"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
-"// From the sample before to this one: where on the screen, and the nearness of the surface at both ends.\n"
-"struct hbil_step {\n"
-"    vec2 to;\n"
-"    vec2 way;\n"
-"    float from_nearness; // -1e30: no surface there\n"
-"    float to_nearness;\n"
-"};\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_corner_light[] =
-"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
-"// Light of one corner of the cell around a sample. It stands in front of the rays from c up to the one that meets the\n"
-"// surface where that is as near as the corner; the nearest corner (depth z_top) in front of all. Moves c there.\n"
-"vec3 hbil_corner_light(hbil_receiver r, hbil_step s, ivec2 q, float z_top, float nx, float c_sample, inout float c) {\n"
-"    float z = hbil_load_depth(q);\n"
-"    float rise = s.to_nearness - s.from_nearness;\n"
-"    float t = rise > 0.0 && rise < 1e29 ? clamp((hbil_nearness(z) - s.from_nearness) / rise, 0.0, 1.0) : 1.0;\n"
-"    vec3 h = hbil_position(s.to - (1.0 - t) * s.way, z) - r.position;\n"
-"    float low = c;\n"
-"    c = z <= z_top ? c_sample : clamp(dot(h, r.v) * inversesqrt(max(dot(h, h), 1e-30)), c, c_sample);\n"
-"    return hbil_arc_light(q, nx, r.ny, low, c);\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_cell_light[] =
-"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
-"// Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that\n"
-"// stand in front of it.\n"
-"vec3 hbil_cell_light(hbil_receiver r, hbil_step s, float nx, float c, float c_sample) {\n"
-"    ivec2 q = ivec2(floor(s.to));\n"
-"    vec2 f = s.to - floor(s.to) - 0.5;\n"
-"    ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);\n"
-"    ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);\n"
-"    ivec2 second = abs(f.x) > abs(f.y) ? x : y;\n"
-"    float z_top = min(min(hbil_load_depth(q), hbil_load_depth(q + x)),\n"
-"        min(hbil_load_depth(q + y), hbil_load_depth(q + x + y)));\n"
-"    vec3 light = hbil_corner_light(r, s, q, z_top, nx, c_sample, c);\n"
-"    light += hbil_corner_light(r, s, q + second, z_top, nx, c_sample, c);\n"
-"    light += hbil_corner_light(r, s, q + x + y - second, z_top, nx, c_sample, c);\n"
-"    light += hbil_corner_light(r, s, q + x + y, z_top, nx, c_sample, c);\n"
-"    return light;\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_horizon[] =
-"// Highest horizon on one side of a slice. d: unit direction on the screen, reach_px: pixels to search, nx: normal along\n"
-"// this side, c: horizon of the tangent plane, where the search starts. Each rise adds the light of the arc that the\n"
-"// sample fills.\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c, inout vec3 near) {\n"
-"#else\n"
-"float hbil_horizon(hbil_receiver r, vec2 d, float reach_px, float jitter, float nx, float c) {\n"
+"#if HBIL_BENT\n"
+"    sum.bent = vec3(0.0);\n"
 "#endif\n"
-"#if !HBIL_REACH_0\n"
-"    float c_tangent = c;\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    sum.uniform_open = 0.0;\n"
 "#endif\n"
-"    float offset = 0.0;\n"
-"#if HBIL_SAMPLING_BILINEAR && (HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE)\n"
-"    hbil_step s;\n"
-"    s.to = vec2(r.pixel) + 0.5;\n"
-"    s.to_nearness = hbil_nearness(r.position.z);\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.sh_0 = vec4(0.0);\n"
+"    sum.sh_x = vec4(0.0);\n"
+"    sum.sh_y = vec4(0.0);\n"
+"    sum.sh_z = vec4(0.0);\n"
 "#endif\n"
-"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
-"        // never the receiver itself, never one place twice\n"
-"        offset = max(hbil_offset((float(i) + jitter) / float(HBIL_STEPS), reach_px), offset + HBIL_STRIDE);\n"
-"        if (offset > reach_px) break;\n"
-"#if HBIL_SAMPLING_BILINEAR\n"
-"        vec2 pixel = vec2(r.pixel) + 0.5 + offset * d;\n"
-"        float z = hbil_surface_depth(pixel);\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"        s.way = pixel - s.to;\n"
-"        s.to = pixel;\n"
-"        s.from_nearness = s.to_nearness;\n"
-"        s.to_nearness = z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
+"#if HBIL_FAR_BITS\n"
+"    sum.far = vec3(0.0);\n"
 "#endif\n"
-"#else\n"
-"        ivec2 q = r.pixel + ivec2(floor(offset * d + 0.5));\n"
-"        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) break;\n"
-"        vec2 pixel = vec2(q) + 0.5;\n"
-"        float z = hbil_load_depth(q);\n"
-"#endif\n"
-"        if (z >= HBIL_SKY) continue;\n"
-"        vec3 h = hbil_position(pixel, z) - r.position;\n"
-"        float l2 = max(dot(h, h), 1e-30);\n"
-"        float inv = inversesqrt(l2);\n"
-"        // at silhouettes h is nearly parallel to v and rounding takes the cosine above 1\n"
-"        float c_sample = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
-"#if !HBIL_REACH_0\n"
-"        // fade the horizon, not its weight: near + ao stays 1\n"
-"        float fade = clamp((1.0 - l2 * inv / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
-"        c_sample = mix(c_tangent, c_sample, fade);\n"
-"#endif\n"
-"        if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"#if HBIL_SAMPLING_BILINEAR\n"
-"            near += hbil_cell_light(r, s, nx, c, c_sample);\n"
-"#else\n"
-"            near += hbil_arc_light(q, nx, r.ny, c, c_sample);\n"
-"#endif\n"
-"#endif\n"
-"            c = c_sample;\n"
-"        }\n"
-"    }\n"
-"    return c;\n"
-"}\n";
-static const char hbil__glsl_march_hbil_bent[] =
-"// Cosine-weighted bent vector of a slice with horizons cf, cb: x along D, y along V.\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"vec2 hbil_bent(float nx, float ny, float cf, float cb) {\n"
-"    float sf2 = max(1.0 - cf * cf, 0.0);\n"
-"    float sb2 = max(1.0 - cb * cb, 0.0);\n"
-"    float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);\n"
-"    float c3 = cf * cf * cf + cb * cb * cb;\n"
-"    return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_lighting[] =
-"// Sums over the slices: the light that reaches the pixel from an open sky, the part that is blocked, the light that\n"
-"// comes from the blockers instead, the bent vector.\n"
-"struct hbil_lighting {\n"
-"    float full;\n"
-"    float blocked;\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"    vec3 near;\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"    vec3 bent;\n"
-"#endif\n"
-"};\n";
-static const char hbil__glsl_march_hbil_slice[] =
-"// Add the slice with tangent D and screen direction d.\n"
-"void hbil_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_lighting sum) {\n"
-"    float nx = dot(r.n, slice);\n"
-"    float q = inversesqrt(nx * nx + r.ny * r.ny);\n"
-"    float cb0 = clamp(nx * q, -1.0, 1.0); // back horizon of the tangent plane; the front one is its negative\n"
-"    float g0 = hbil_arc(-cb0);\n"
-"    float front_px = hbil_border(r.pixel, d);\n"
-"    float back_px = hbil_border(r.pixel, -d);\n"
-"#if !HBIL_REACH_0\n"
-"    front_px = min(front_px, hbil_reach(r.position, r.v, slice));\n"
-"    back_px = min(back_px, hbil_reach(r.position, r.v, -slice));\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"    float cf = hbil_horizon(r, d, front_px, jitter, nx, -cb0, sum.near);\n"
-"    float cb = hbil_horizon(r, -d, back_px, jitter, -nx, cb0, sum.near);\n"
-"#else\n"
-"    float cf = hbil_horizon(r, d, front_px, jitter, nx, -cb0);\n"
-"    float cb = hbil_horizon(r, -d, back_px, jitter, -nx, cb0);\n"
-"#endif\n"
-"    sum.full += nx * (g0 - 0.5 * HBIL_PI) + r.ny * r.ny * r.ny * q * q;\n"
-"    sum.blocked += 0.5 * (nx * (2.0 * g0 - HBIL_PI - hbil_arc(cf) + hbil_arc(cb))\n"
-"        + r.ny * (cf * cf + cb * cb - 2.0 * cb0 * cb0));\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"    vec2 b = hbil_bent(nx, r.ny, cf, cb);\n"
-"    sum.bent += b.x * slice + b.y * r.v;\n"
-"#endif\n"
+"    return sum;\n"
 "}\n";
 static const char hbil__glsl_march_hbil_march[] =
 "// All slices of a pixel.\n"
-"hbil_lighting hbil_march(ivec2 p, float z) {\n"
-"    hbil_lighting sum;\n"
-"    sum.full = 0.0;\n"
-"    sum.blocked = 0.0;\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"    sum.near = vec3(0.0);\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"    sum.bent = vec3(0.0);\n"
-"#endif\n"
+"hbil_sums hbil_march(ivec2 p, float z) {\n"
+"    hbil_sums sum = hbil_nothing();\n"
 "    hbil_receiver r = hbil_receive(p, z);\n"
-"    vec2 noise = hbil_noise(p);\n"
+"    vec3 noise = hbil_noise(p);\n"
 "#if !HBIL_SEED_COMPAT_SCREEN_AZIMUTH\n"
 "    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre get the\n"
 "    // wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear in D.\n"
@@ -1065,7 +2221,11 @@ static const char hbil__glsl_march_hbil_march[] =
 "    vec2 k2 = (r.v.xy * e2.z - e2.xy * r.v.z) / HBIL_PIXEL_TO_RAY.xy;\n"
 "#endif\n"
 "    for (int i = 0; i < HBIL_SLICES; ++i) {\n"
+"#if HBIL_SEED_COMPAT_NOISE_2PI\n"
+"        float phi = float(i) * HBIL_PI / float(HBIL_SLICES) + noise.x * 2.0 * HBIL_PI;\n"
+"#else\n"
 "        float phi = (float(i) + noise.x) * HBIL_PI / float(HBIL_SLICES);\n"
+"#endif\n"
 "        vec2 turn = vec2(cos(phi), sin(phi));\n"
 "#if HBIL_SEED_COMPAT_SCREEN_AZIMUTH\n"
 "        vec3 slice = normalize(vec3(turn, 0.0) - dot(turn, r.v.xy) * r.v);\n"
@@ -1074,60 +2234,251 @@ static const char hbil__glsl_march_hbil_march[] =
 "        vec3 slice = turn.x * e1 + turn.y * e2;\n"
 "        vec2 d = normalize(turn.x * k1 + turn.y * k2);\n"
 "#endif\n"
-"        hbil_slice(r, slice, d, noise.y, sum);\n"
+"#if HBIL_ESTIMATOR_BITMASK\n"
+"        hbil_bitmask_slice(r, slice, d, vec2(noise.y, fract(noise.z + float(i) * 0.61803399)), sum);\n"
+"#elif HBIL_ESTIMATOR_HORIZON\n"
+"        hbil_horizon_slice(r, slice, d, noise.y, sum);\n"
+"#else\n"
+"        hbil_hbao_slice(r, slice, d, noise.y, sum);\n"
+"#endif\n"
 "    }\n"
 "    return sum;\n"
+"}\n";
+static const char hbil__glsl_march_hbil_store_sh[] =
+"#if HBIL_OUTPUTS_SH\n"
+"// Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its\n"
+"// whole\n"
+"// solid angle. Near radiance and visibility together are those of the open hemisphere.\n"
+"void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {\n"
+"    vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);\n"
+"    imageStore(u_sh, ivec3(p, 0), 0.282095 / float(HBIL_SLICES) * factor * sum.sh_0);\n"
+"    imageStore(u_sh, ivec3(p, 1), 0.488603 * scale * factor * sum.sh_y);\n"
+"    imageStore(u_sh, ivec3(p, 2), 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z);\n"
+"    imageStore(u_sh, ivec3(p, 3), 0.488603 * scale * factor * sum.sh_x);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_store[] =
+"// Sums to outputs.\n"
+"void hbil_store(ivec2 p, hbil_sums sum) {\n"
+"#if HBIL_COSINE && HBIL_SUMS\n"
+"#if HBIL_SEED_COMPAT_SLICE_MEAN\n"
+"    float scale = 1.0 / float(HBIL_SLICES);\n"
+"    float ao = (sum.full - sum.blocked) * scale;\n"
+"#else\n"
+"    // ratio: what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
+"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
+"    float ao = 1.0 - max(sum.blocked, 0.0) * scale;\n"
+"#endif\n"
+"#elif !HBIL_COSINE\n"
+"    float ao = clamp(1.0 - sum.hidden / float(HBIL_SLICES), 0.0, 1.0);\n"
+"#endif\n"
+"#if HBIL_AO || HBIL_BENT\n"
+"#if HBIL_AO_EXPONENT_1\n"
+"    const float lift = 1.0;\n"
+"#else\n"
+"    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_AO\n"
+"    imageStore(u_ao, p, vec4(ao * lift));\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    imageStore(u_bent, p, vec4(lift * scale * sum.bent * vec3(1.0, 1.0, HBIL_VIEW_Z), 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    imageStore(u_uniform_ao, p, vec4(sum.uniform_open / float(HBIL_SLICES)));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    vec3 near = scale * HBIL_NEAR_INTENSITY * sum.near;\n"
+"#if !HBIL_F0_NONE\n"
+"    near *= hbil_diffuse(p);\n"
+"#endif\n"
+"    imageStore(u_near, p, vec4(near, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    hbil_store_sh(p, sum, scale);\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    vec3 far = scale * HBIL_FAR_INTENSITY * max(sum.far, 0.0);\n"
+"#if !HBIL_F0_NONE\n"
+"    far *= hbil_diffuse(p);\n"
+"#endif\n"
+"    imageStore(u_far, p, vec4(far, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_store_sky[] =
+"// A pixel without a surface.\n"
+"void hbil_store_sky(ivec2 p) {\n"
+"#if HBIL_AO\n"
+"    imageStore(u_ao, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    imageStore(u_bent, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    imageStore(u_uniform_ao, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    imageStore(u_near, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_march_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    float ao = 1.0;\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"    vec3 near = vec3(0.0);\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"    vec3 bent = vec3(0.0);\n"
-"#endif\n"
 "    float z = hbil_load_depth(p);\n"
-"    if (z < HBIL_SKY) {\n"
-"        hbil_lighting sum = hbil_march(p, z);\n"
-"#if HBIL_SEED_COMPAT_SLICE_MEAN\n"
-"        float scale = 1.0 / float(HBIL_SLICES);\n"
-"        ao = (sum.full - sum.blocked) * scale;\n"
+"    if (z < HBIL_SKY) hbil_store(p, hbil_march(p, z));\n"
+"    else hbil_store_sky(p);\n"
+"}\n";
+static const char hbil__glsl_light_hbil_angle[] =
+"// acos with the accuracy of atan, which acos does not have on every driver. rad\n"
+"float hbil_angle(float c) {\n"
+"    return atan(sqrt(max((1.0 - c) * (1.0 + c), 0.0)), c);\n"
+"}\n";
+static const char hbil__glsl_light_hbil_caps[] =
+"// Solid angle that two spherical caps share. c1, c2: cosines of their half angles; d: angle between their axes, rad.\n"
+"float hbil_caps(float c1, float c2, float d) {\n"
+"    float a1 = hbil_angle(c1);\n"
+"    float a2 = hbil_angle(c2);\n"
+"    if (d >= a1 + a2) return 0.0;\n"
+"    if (d <= abs(a1 - a2)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));\n"
+"    float s1 = sqrt(max((1.0 - c1) * (1.0 + c1), 1e-12));\n"
+"    float s2 = sqrt(max((1.0 - c2) * (1.0 + c2), 1e-12));\n"
+"    float cd = cos(d);\n"
+"    float sd = max(sin(d), 1e-6);\n"
+"    float lens = HBIL_PI - hbil_angle(clamp((cd - c1 * c2) / (s1 * s2), -1.0, 1.0))\n"
+"        - c1 * hbil_angle(clamp((c2 - cd * c1) / (sd * s1), -1.0, 1.0))\n"
+"        - c2 * hbil_angle(clamp((c1 - cd * c2) / (sd * s2), -1.0, 1.0));\n"
+"    return max(2.0 * lens, 0.0);\n"
+"}\n";
+static const char hbil__glsl_light_hbil_specular_occlusion[] =
+"// Part of the specular lobe that the visible cone leaves: GTSO with the open hemisphere's share of the lobe below it,\n"
+"// so\n"
+"// that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.\n"
+"float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {\n"
+"    float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));\n"
+"    vec3 mirror = 2.0 * dot(n, v) * n - v;\n"
+"    float seen = hbil_caps(sqrt(clamp(1.0 - ao, 0.0, 1.0)), lobe, hbil_angle(clamp(dot(axis, mirror), -1.0, 1.0)));\n"
+"    float open = hbil_caps(0.0, lobe, hbil_angle(clamp(dot(n, mirror), -1.0, 1.0)));\n"
+"    return mix(clamp(seen / max(open, 1e-6), 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));\n"
+"}\n";
+static const char hbil__glsl_light_hbil_multi_bounce[] =
+"// Visibility after all bounces between surfaces of this albedo and visibility, per channel.\n"
+"vec3 hbil_multi_bounce(float ao, vec3 albedo) {\n"
+"#if HBIL_BOUNCE_CUBIC\n"
+"    vec3 a = 2.0404 * albedo - 0.3324;\n"
+"    vec3 b = -4.7951 * albedo + 0.6417;\n"
+"    vec3 c = 2.7552 * albedo + 0.6903;\n"
+"    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);\n"
 "#else\n"
-"        // ratio: what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
-"        float scale = 1.0 / max(sum.full, sum.blocked);\n"
-"        ao = 1.0 - max(sum.blocked, 0.0) * scale;\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"        near = sum.near * scale;\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"        bent = sum.bent * scale * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
-"#endif\n"
-"    }\n"
-"#if HBIL_OUTPUTS_AO\n"
-"    imageStore(u_ao, p, vec4(ao));\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_NEAR || HBIL_OUTPUTS_COMPOSITE\n"
-"    imageStore(u_near, p, vec4(near, 1.0));\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_BENT\n"
-"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
+"    return ao / max(1.0 - albedo * (1.0 - ao), 1e-6);\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_composite_main[] =
+static const char hbil__glsl_light_hbil_load_albedo[] =
+"vec3 hbil_load_albedo(ivec2 p) {\n"
+"    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
+"}\n";
+static const char hbil__glsl_light_hbil_far_light[] =
+"// Far irradiance of a pixel.\n"
+"vec3 hbil_far_light(ivec2 p, float z, vec3 n, float ao, vec3 bent) {\n"
+"    vec3 far = HBIL_FAR_INTENSITY * max(hbil_far(hbil_position(vec2(p) + 0.5, z), n, ao, bent), 0.0);\n"
+"#if !HBIL_F0_NONE\n"
+"    far *= hbil_diffuse(p);\n"
+"#endif\n"
+"    return far;\n"
+"}\n";
+static const char hbil__glsl_light_hbil_shade[] =
+"// Outputs of a pixel with a surface.\n"
+"void hbil_shade(ivec2 p, float z) {\n"
+"#if HBIL_LIGHT_AO\n"
+"    float ao = texelFetch(u_ao, p, 0).r;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || (HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT)\n"
+"    vec3 v = hbil_view_vector(vec2(p) + 0.5);\n"
+"    vec3 n = hbil_turned(hbil_load_normal(p), v);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT\n"
+"    vec3 bent = texelFetch(u_bent, p, 0).xyz * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_CONE\n"
+"    imageStore(u_cone, p, vec4(hbil_direction(bent, n) * vec3(1.0, 1.0, HBIL_VIEW_Z), hbil_cone_cosine(ao)));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SPECULAR_OCCLUSION\n"
+"#if HBIL_ROUGHNESS_0\n"
+"    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);\n"
+"#else\n"
+"    float roughness = HBIL_ROUGHNESS;\n"
+"#endif\n"
+"    imageStore(u_specular_occlusion, p, vec4(hbil_specular_occlusion(n, v, ao, hbil_direction(bent, n), roughness)));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_MULTI_BOUNCE\n"
+"    imageStore(u_multi_bounce, p, vec4(hbil_multi_bounce(ao, hbil_load_albedo(p)), 1.0));\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    vec3 irradiance = texelFetch(u_far, p, 0).rgb;\n"
+"#elif HBIL_ENVIRONMENT_CONSTANT\n"
+"    vec3 irradiance = hbil_far_light(p, z, vec3(0.0), ao, vec3(0.0));\n"
+"#elif HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_AO\n"
+"    vec3 irradiance = hbil_far_light(p, z, n, ao, vec3(0.0));\n"
+"#elif HBIL_FAR_LIGHT\n"
+"    vec3 irradiance = hbil_far_light(p, z, n, ao, bent);\n"
+"#elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE\n"
+"    vec3 irradiance = vec3(0.0);\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS\n"
+"    imageStore(u_far, p, vec4(irradiance, 1.0));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)\n"
+"    irradiance += texelFetch(u_near, p, 0).rgb;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_IRRADIANCE\n"
+"    imageStore(u_irradiance, p, vec4(irradiance, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_COMPOSITE\n"
+"    vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);\n"
+"    imageStore(u_composite, p, vec4(direct + hbil_load_albedo(p) * irradiance, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_light_hbil_shade_sky[] =
+"// Outputs of a pixel without a surface.\n"
+"void hbil_shade_sky(ivec2 p) {\n"
+"#if HBIL_OUTPUTS_CONE\n"
+"    imageStore(u_cone, p, vec4(0.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SPECULAR_OCCLUSION\n"
+"    imageStore(u_specular_occlusion, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_MULTI_BOUNCE\n"
+"    imageStore(u_multi_bounce, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS\n"
+"    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_IRRADIANCE\n"
+"    imageStore(u_irradiance, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_COMPOSITE\n"
+"    imageStore(u_composite, p, vec4(hbil_finite(texelFetch(u_direct, p, 0).rgb), 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_light_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);\n"
-"    vec3 albedo = min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
-"    imageStore(u_composite, p, vec4(direct + albedo * texelFetch(u_near, p, 0).rgb, 1.0));\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z < HBIL_SKY) hbil_shade(p, z);\n"
+"    else hbil_shade_sky(p);\n"
 "}\n";
 static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
     { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
+    { "HBIL_PI", "common", hbil__glsl_common_HBIL_PI },
     { "hbil_position", "common", hbil__glsl_common_hbil_position },
     { "hbil_nearness", "common", hbil__glsl_common_hbil_nearness },
     { "hbil_depth_of", "common", hbil__glsl_common_hbil_depth_of },
@@ -1135,40 +2486,99 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_finite", "common", hbil__glsl_common_hbil_finite },
     { "hbil_encode_normal", "common", hbil__glsl_common_hbil_encode_normal },
     { "hbil_decode_normal", "common", hbil__glsl_common_hbil_decode_normal },
+    { "hbil_load_depth", "common", hbil__glsl_common_hbil_load_depth },
+    { "hbil_load_normal", "common", hbil__glsl_common_hbil_load_normal },
+    { "hbil_direction", "common", hbil__glsl_common_hbil_direction },
+    { "hbil_diffuse", "common", hbil__glsl_common_hbil_diffuse },
+    { "hbil_to_world", "environment", hbil__glsl_environment_hbil_to_world },
+    { "hbil_world_position", "environment", hbil__glsl_environment_hbil_world_position },
+    { "hbil_sh", "environment", hbil__glsl_environment_hbil_sh },
+    { "HBIL_SLABS", "environment", hbil__glsl_environment_HBIL_SLABS },
+    { "hbil_load_sh", "environment", hbil__glsl_environment_hbil_load_sh },
+    { "hbil_sh_sum", "environment", hbil__glsl_environment_hbil_sh_sum },
+    { "hbil_cone_bands", "environment", hbil__glsl_environment_hbil_cone_bands },
+    { "hbil_cone_cosine", "environment", hbil__glsl_environment_hbil_cone_cosine },
+    { "hbil_fit", "environment", hbil__glsl_environment_hbil_fit },
+    { "hbil_far", "environment", hbil__glsl_environment_hbil_far },
+    { "hbil_far_arc", "environment", hbil__glsl_environment_hbil_far_arc },
+    { "hbil_hilbert", "slice", hbil__glsl_slice_hbil_hilbert },
+    { "hbil_gradient", "slice", hbil__glsl_slice_hbil_gradient },
+    { "hbil_noise", "slice", hbil__glsl_slice_hbil_noise },
+    { "hbil_arc", "slice", hbil__glsl_slice_hbil_arc },
+    { "HBIL_STRIDE", "slice", hbil__glsl_slice_HBIL_STRIDE },
+    { "hbil_offset", "slice", hbil__glsl_slice_hbil_offset },
+    { "hbil_border", "slice", hbil__glsl_slice_hbil_border },
+    { "hbil_reach", "slice", hbil__glsl_slice_hbil_reach },
+    { "hbil_receiver", "slice", hbil__glsl_slice_hbil_receiver },
+    { "HBIL_FACING", "slice", hbil__glsl_slice_HBIL_FACING },
+    { "hbil_turned", "slice", hbil__glsl_slice_hbil_turned },
+    { "hbil_receive", "slice", hbil__glsl_slice_hbil_receive },
+    { "hbil_surface_depth", "slice", hbil__glsl_slice_hbil_surface_depth },
+    { "hbil_side", "slice", hbil__glsl_slice_hbil_side },
+    { "hbil_side_of", "slice", hbil__glsl_slice_hbil_side_of },
+    { "hbil_visit", "slice", hbil__glsl_slice_hbil_visit },
+    { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
+    { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
+    { "hbil_load_radiance", "slice", hbil__glsl_slice_hbil_load_radiance },
+    { "HBIL_FILTER_LOW", "slice", hbil__glsl_slice_HBIL_FILTER_LOW },
+    { "HBIL_FILTER_HIGH", "slice", hbil__glsl_slice_HBIL_FILTER_HIGH },
+    { "hbil_source", "slice", hbil__glsl_slice_hbil_source },
+    { "hbil_sums", "slice", hbil__glsl_slice_hbil_sums },
+    { "hbil_add_moments", "slice", hbil__glsl_slice_hbil_add_moments },
+    { "hbil_light", "horizon", hbil__glsl_horizon_hbil_light },
+    { "hbil_dark", "horizon", hbil__glsl_horizon_hbil_dark },
+    { "hbil_weight", "horizon", hbil__glsl_horizon_hbil_weight },
+    { "hbil_lit", "horizon", hbil__glsl_horizon_hbil_lit },
+    { "hbil_add_arc", "horizon", hbil__glsl_horizon_hbil_add_arc },
+    { "hbil_step", "horizon", hbil__glsl_horizon_hbil_step },
+    { "hbil_add_corner", "horizon", hbil__glsl_horizon_hbil_add_corner },
+    { "hbil_add_cell", "horizon", hbil__glsl_horizon_hbil_add_cell },
+    { "HBIL_DECAY_STEPS", "horizon", hbil__glsl_horizon_HBIL_DECAY_STEPS },
+    { "hbil_horizon", "horizon", hbil__glsl_horizon_hbil_horizon },
+    { "hbil_bent", "horizon", hbil__glsl_horizon_hbil_bent },
+    { "hbil_add_light", "horizon", hbil__glsl_horizon_hbil_add_light },
+    { "hbil_horizon_slice", "horizon", hbil__glsl_horizon_hbil_horizon_slice },
+    { "hbil_fan", "bitmask", hbil__glsl_bitmask_hbil_fan },
+    { "hbil_edge_light", "bitmask", hbil__glsl_bitmask_hbil_edge_light },
+    { "hbil_fan_of", "bitmask", hbil__glsl_bitmask_hbil_fan_of },
+    { "hbil_edge", "bitmask", hbil__glsl_bitmask_hbil_edge },
+    { "hbil_bits", "bitmask", hbil__glsl_bitmask_hbil_bits },
+    { "hbil_lit_bits", "bitmask", hbil__glsl_bitmask_hbil_lit_bits },
+    { "hbil_turn", "bitmask", hbil__glsl_bitmask_hbil_turn },
+    { "hbil_span", "bitmask", hbil__glsl_bitmask_hbil_span },
+    { "hbil_span_to", "bitmask", hbil__glsl_bitmask_hbil_span_to },
+    { "hbil_span_of", "bitmask", hbil__glsl_bitmask_hbil_span_of },
+    { "hbil_add_bits", "bitmask", hbil__glsl_bitmask_hbil_add_bits },
+    { "hbil_low_end", "bitmask", hbil__glsl_bitmask_hbil_low_end },
+    { "hbil_fill", "bitmask", hbil__glsl_bitmask_hbil_fill },
+    { "hbil_bitmask_slice", "bitmask", hbil__glsl_bitmask_hbil_bitmask_slice },
+    { "hbil_attenuation", "hbao", hbil__glsl_hbao_hbil_attenuation },
+    { "hbil_hbao", "hbao", hbil__glsl_hbao_hbil_hbao },
+    { "hbil_raised", "hbao", hbil__glsl_hbao_hbil_raised },
+    { "hbil_hbao_slice", "hbao", hbil__glsl_hbao_hbil_hbao_slice },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
-    { "hbil_load_normal", "prepare", hbil__glsl_prepare_hbil_load_normal },
+    { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
+    { "hbil_load_raw_normal", "prepare", hbil__glsl_prepare_hbil_load_raw_normal },
     { "hbil_neighbour", "prepare", hbil__glsl_prepare_hbil_neighbour },
     { "hbil_tangent", "prepare", hbil__glsl_prepare_hbil_tangent },
     { "hbil_view_normal", "prepare", hbil__glsl_prepare_hbil_view_normal },
     { "main", "prepare", hbil__glsl_prepare_main },
-    { "HBIL_PI", "march", hbil__glsl_march_HBIL_PI },
-    { "hbil_load_depth", "march", hbil__glsl_march_hbil_load_depth },
-    { "hbil_load_normal", "march", hbil__glsl_march_hbil_load_normal },
-    { "hbil_load_radiance", "march", hbil__glsl_march_hbil_load_radiance },
-    { "hbil_hilbert", "march", hbil__glsl_march_hbil_hilbert },
-    { "hbil_gradient", "march", hbil__glsl_march_hbil_gradient },
-    { "hbil_noise", "march", hbil__glsl_march_hbil_noise },
-    { "hbil_arc", "march", hbil__glsl_march_hbil_arc },
-    { "HBIL_STRIDE", "march", hbil__glsl_march_HBIL_STRIDE },
-    { "hbil_offset", "march", hbil__glsl_march_hbil_offset },
-    { "hbil_border", "march", hbil__glsl_march_hbil_border },
-    { "hbil_reach", "march", hbil__glsl_march_hbil_reach },
-    { "hbil_receiver", "march", hbil__glsl_march_hbil_receiver },
-    { "HBIL_FACING", "march", hbil__glsl_march_HBIL_FACING },
-    { "hbil_receive", "march", hbil__glsl_march_hbil_receive },
-    { "hbil_surface_depth", "march", hbil__glsl_march_hbil_surface_depth },
-    { "hbil_arc_light", "march", hbil__glsl_march_hbil_arc_light },
-    { "hbil_step", "march", hbil__glsl_march_hbil_step },
-    { "hbil_corner_light", "march", hbil__glsl_march_hbil_corner_light },
-    { "hbil_cell_light", "march", hbil__glsl_march_hbil_cell_light },
-    { "hbil_horizon", "march", hbil__glsl_march_hbil_horizon },
-    { "hbil_bent", "march", hbil__glsl_march_hbil_bent },
-    { "hbil_lighting", "march", hbil__glsl_march_hbil_lighting },
-    { "hbil_slice", "march", hbil__glsl_march_hbil_slice },
+    { "hbil_nothing", "march", hbil__glsl_march_hbil_nothing },
     { "hbil_march", "march", hbil__glsl_march_hbil_march },
+    { "hbil_store_sh", "march", hbil__glsl_march_hbil_store_sh },
+    { "hbil_store", "march", hbil__glsl_march_hbil_store },
+    { "hbil_store_sky", "march", hbil__glsl_march_hbil_store_sky },
     { "main", "march", hbil__glsl_march_main },
-    { "main", "composite", hbil__glsl_composite_main },
+    { "hbil_angle", "light", hbil__glsl_light_hbil_angle },
+    { "hbil_caps", "light", hbil__glsl_light_hbil_caps },
+    { "hbil_specular_occlusion", "light", hbil__glsl_light_hbil_specular_occlusion },
+    { "hbil_multi_bounce", "light", hbil__glsl_light_hbil_multi_bounce },
+    { "hbil_load_albedo", "light", hbil__glsl_light_hbil_load_albedo },
+    { "hbil_far_light", "light", hbil__glsl_light_hbil_far_light },
+    { "hbil_shade", "light", hbil__glsl_light_hbil_shade },
+    { "hbil_shade_sky", "light", hbil__glsl_light_hbil_shade_sky },
+    { "main", "light", hbil__glsl_light_main },
 };
 /* >>gen glsl */
 
@@ -1274,7 +2684,10 @@ static hbil_result hbil__sink_close(hbil__sink *s, size_t *need)
 
 static int hbil__same(const char *word, const char *s, size_t len)
 {
-    return strlen(word) == len && memcmp(word, s, len) == 0;
+    size_t i;
+    for (i = 0; i < len; ++i)
+        if (word[i] != s[i]) return 0; /* also where word ends */
+    return word[len] == 0;
 }
 
 /* index-th blank-separated word of a list; 0: there is none */
@@ -1594,35 +3007,44 @@ static hbil_result hbil__parse_pair(hbil__reader *r, hbil_config *c, hbil_diags 
  * >>filter     #if over option symbols; lines taken; what they refer to
  * ====================================================================== */
 
-/* HBIL_<OPTION>_<CHOICE, member or whole number>: 1 when that is the baked value. embed has checked that it exists. */
+static int hbil__expression(const hbil_config *c, const char **at, int level);
+
+/* Is the lower-case `word` of n letters what s spells in capitals? */
+static int hbil__spells(const char *s, const char *word, size_t n)
+{
+    size_t i;
+    for (i = 0; i < n; ++i)
+        if ((word[i] >= 'a' && word[i] <= 'z' ? word[i] - 'a' + 'A' : word[i]) != s[i]) return 0;
+    return 1;
+}
+
+/* HBIL_<OPTION>_<CHOICE, member or whole number>: 1 when that is the baked value; HBIL_<SYMBOL>: its expression. embed has
+ * checked that it exists. */
 static int hbil__symbol(const hbil_config *c, const char *s, size_t len)
 {
     int32_t i;
-    char name[64];
+    for (i = 0; i < HBIL__COUNT(hbil__symbols); ++i)
+        if (hbil__same(hbil__symbols[i].name, s + 5, len - 5)) {
+            const char *at = hbil__symbols[i].expression;
+            return hbil__expression(c, &at, 0);
+        }
     for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
         const hbil_option *o = &hbil__options[i];
-        hbil__value v = hbil__get(c, i);
-        hbil__sink k = hbil__sink_open(name, sizeof name);
-        const char *w;
+        hbil__value v;
         size_t n, head;
+        const char *w;
         int j;
-        hbil__puts(&k, "HBIL_");
-        hbil__put_upper(&k, o->name);
-        hbil__puts(&k, "_");
-        head = k.size;
-        if (len <= head || memcmp(name, s, head)) continue;
+        if (!hbil__spells(s + 5, o->name, 1)) continue; /* most end here */
+        v = hbil__get(c, i);
+        head = strlen(o->name) + 6;
+        if (len <= head || s[head - 1] != '_' || !hbil__spells(s + 5, o->name, head - 6)) continue;
         if (o->kind == HBIL_KIND_INT || o->kind == HBIL_KIND_FLOAT) {
             double number;
             if (!hbil__read_number(s + head, len - head, &number)) continue;
             return !(c->dynamic & o->dynamic) && (o->kind == HBIL_KIND_INT ? (double)v.i : (double)v.f) == number;
         }
-        for (j = 0; hbil__word_at(o->choices, j, &w, &n); ++j) {
-            size_t m;
-            if (n != len - head) continue;
-            for (m = 0; m < n; ++m)
-                if ((w[m] >= 'a' && w[m] <= 'z' ? w[m] - 'a' + 'A' : w[m]) != s[head + m]) break;
-            if (m == n) return o->kind == HBIL_KIND_SET ? (int)(v.u >> j & 1) : v.i == j + 1;
-        }
+        for (j = 0; hbil__word_at(o->choices, j, &w, &n); ++j)
+            if (n == len - head && hbil__spells(s + head, w, n)) return o->kind == HBIL_KIND_SET ? (int)(v.u >> j & 1) : v.i == j + 1;
     }
     return 0;
 }
@@ -1705,12 +3127,21 @@ static int hbil__next_line(hbil__lines *l, const char **line, size_t *len)
 }
 
 /* What the filtered text of a pass refers to: bits by table index. */
-typedef struct hbil__used { uint32_t chunks[8], textures, uniforms, options[2]; } hbil__used;
+typedef struct hbil__used { uint32_t chunks[8], textures, uniforms, options[2], hook; } hbil__used;
 
 static void hbil__mark(uint32_t *bits, int32_t i) { bits[i >> 5] |= 1u << (i & 31); }
 static int  hbil__marked(const uint32_t *bits, int32_t i) { return (int)(bits[i >> 5] >> (i & 31) & 1); }
 
 static void hbil__scan_chunk(const hbil_config *c, int32_t pass, int32_t chunk, hbil__used *used);
+
+/* A chunk belongs to its own pass, or to all if its file is not a pass. */
+static int hbil__may_use(int32_t pass, int32_t chunk)
+{
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(hbil__passes); ++i)
+        if (strcmp(hbil__chunks[chunk].file, hbil__passes[i].name) == 0) return i == pass;
+    return 1;
+}
 
 static void hbil__scan_word(const hbil_config *c, int32_t pass, const char *s, size_t len, hbil__used *used)
 {
@@ -1723,11 +3154,11 @@ static void hbil__scan_word(const hbil_config *c, int32_t pass, const char *s, s
         return;
     }
     for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
-        if (hbil__same(hbil__chunks[i].name, s, len) && (strcmp(hbil__chunks[i].file, "common") == 0 ||
-            strcmp(hbil__chunks[i].file, hbil__passes[pass].name) == 0)) {
+        if (hbil__same(hbil__chunks[i].name, s, len) && hbil__may_use(pass, i)) {
             hbil__scan_chunk(c, pass, i, used);
             return;
         }
+    if (hbil__same("hbil_far_hook", s, len)) { used->hook = 1; return; }
     for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i)
         if (hbil__same(hbil__uniforms[i].name, s, len)) { hbil__mark(&used->uniforms, i); return; }
     for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
@@ -1790,6 +3221,9 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     t->life = hbil__textures[texture].life;
     if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;
     t->div = t->mips = t->copies = 1;
+    t->dim = hbil__textures[texture].dim;
+    if (t->dim == HBIL_DIM_2D_MULTISAMPLE && c->multisample != HBIL_MULTISAMPLE_YES) t->dim = HBIL_DIM_2D;
+    t->layers = t->dim == HBIL_DIM_2D_ARRAY ? 4 : 1;
     return (int32_t)p->texture_count++;
 }
 
@@ -1801,9 +3235,11 @@ static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass
     memcpy(out->name, hbil__passes[pass].name, strlen(hbil__passes[pass].name));
     out->group[0] = hbil__passes[pass].group[0];
     out->group[1] = hbil__passes[pass].group[1];
+    out->hook = (uint16_t)used->hook;
     for (i = 0; i < HBIL__COUNT(hbil__binds); ++i) {
         hbil_binding *b = &out->bindings[out->binding_count];
-        if (hbil__binds[i].pass != pass || !hbil__marked(&used->textures, hbil__binds[i].texture)) continue;
+        if (hbil__binds[i].pass != pass || !hbil__marked(&used->textures, hbil__binds[i].texture) ||
+            !hbil__holds(c, hbil__binds[i].when)) continue;
         b->texture = (uint16_t)hbil__plan_add_texture(p, c, hbil__binds[i].texture);
         b->access = (uint8_t)hbil__binds[i].access;
         /* GL has a name space of its own for textures, images and uniform blocks; Vulkan has one, block first */
@@ -1953,7 +3389,7 @@ static void hbil__emit_header(hbil__sink *s, const hbil_plan *p, int32_t index, 
     }
     hbil__puts(s, "--pass ");
     hbil__puts(s, pass->name);
-    hbil__puts(s, "\n");
+    hbil__puts(s, pass->hook ? " --hook FILE\n" : "\n");
     hbil__put_bindings_comment(s, p, pass, HBIL_ACCESS_SAMPLE);
     hbil__put_bindings_comment(s, p, pass, HBIL_ACCESS_WRITE);
     if (pass->constants) {
@@ -1975,15 +3411,16 @@ static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pa
     for (b = 0; b < pass->binding_count; ++b) {
         const hbil_binding *bind = &pass->bindings[b];
         const hbil_texture *t = &p->textures[bind->texture];
-        int is_uint = t->format == HBIL_FORMAT_R32UI;
         hbil__put_slot(s, p, bind->slot);
-        if (bind->access == HBIL_ACCESS_SAMPLE) {
-            hbil__puts(s, is_uint ? ") uniform usampler2D u_" : ") uniform sampler2D u_");
-        } else {
+        if (bind->access == HBIL_ACCESS_WRITE) {
             hbil__puts(s, ", ");
             hbil__puts(s, hbil_format_name((hbil_format)t->format));
-            hbil__puts(s, is_uint ? ") uniform writeonly uimage2D u_" : ") uniform writeonly image2D u_");
         }
+        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? ") uniform writeonly " : ") uniform ");
+        if (t->format == HBIL_FORMAT_R32UI) hbil__puts(s, "u");
+        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? "image" : "sampler");
+        hbil__puts(s, hbil__dims[t->dim]);
+        hbil__puts(s, " u_");
         hbil__puts(s, t->name);
         hbil__puts(s, "; // ");
         hbil__puts(s, hbil__textures[hbil__texture_row(t->name)].meaning);
@@ -2021,6 +3458,7 @@ static void hbil__emit_block(hbil__sink *s, const hbil_plan *p)
         hbil__puts(s, hbil__types[k->type].glsl);
         hbil__puts(s, " ");
         hbil__puts(s, k->name);
+        hbil__puts(s, hbil__array_ends[k->type]);
         hbil__puts(s, ";");
         if (k->option >= 0) {
             hbil__put_meaning(s, k->option);
@@ -2082,6 +3520,76 @@ static void hbil__emit_chunks(hbil__sink *s, const hbil_config *c, const hbil__u
         }
         if (i + 1 < HBIL__COUNT(hbil__chunks)) hbil__puts(s, "\n");
     }
+}
+
+/* Next token of GLSL text behind comments and blanks: a word or one character. 0 at the end. */
+static size_t hbil__token(const char **at)
+{
+    const char *s = *at;
+    size_t n;
+    for (;;) {
+        while (*s == ' ' || *s == '\t' || *s == '\r' || *s == '\n') ++s;
+        if (s[0] == '/' && s[1] == '/') {
+            while (*s && *s != '\n') ++s;
+        } else if (s[0] == '/' && s[1] == '*') {
+            for (s += 2; *s && !(s[0] == '*' && s[1] == '/'); ++s) { }
+            if (*s) s += 2;
+        } else break;
+    }
+    *at = s;
+    if (!*s) return 0;
+    for (n = 0; hbil__is_word(s[n]); ++n) { }
+    return n ? n : 1;
+}
+
+/* From the word vec3 on: vec3 hbil_far_hook(vec3 a, vec3 b, float c) { ? Names of parameters are free, `in` may stand before types. */
+static int hbil__hook_head(const char *s)
+{
+    static const char *const form[] = { "vec3", "hbil_far_hook", "(", "vec3", "", ",", "vec3", "", ",", "float", "", ")", "{" };
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(form); ++i) {
+        size_t n = hbil__token(&s);
+        if (n == 2 && s[0] == 'i' && s[1] == 'n') {
+            s += n;
+            n = hbil__token(&s);
+        }
+        if (n == 0 || (*form[i] ? !hbil__same(form[i], s, n) : !hbil__is_word(*s))) return 0;
+        s += n;
+    }
+    return 1;
+}
+
+static int hbil__hook_fits(const char *hook, hbil_diags *diags)
+{
+    const char *s = hook;
+    size_t n;
+    int found = 0, depth = 0, directive;
+    if (!hook) {
+        hbil__say(diags, HBIL_ERROR, hbil_option_find("environment", 11, NULL), "environment=hook: no text given", "; see hbil_emit_glsl_hook");
+        return 0;
+    }
+    for (; (n = hbil__token(&s)) > 0; s += n) {
+        depth += *s == '{' ? 1 : *s == '}' ? -1 : 0;
+        directive = n == 7 && memcmp(s, "version", 7) == 0 && s > hook && s[-1] == '#';
+        if (directive || (n == 4 && depth == 0 && memcmp(s, "main", 4) == 0)) {
+            hbil__say(diags, HBIL_ERROR, -1, directive ? "hook: #version" : "hook: a function main", "; leave it out, the text is pasted into a shader");
+            return 0;
+        }
+        if (n == 4 && depth == 0 && memcmp(s, "vec3", 4) == 0) found += hbil__hook_head(s);
+    }
+    if (found == 1 && depth == 0) return 1;
+    hbil__say(diags, HBIL_ERROR, -1, depth ? "hook: braces do not match" : found ? "hook: hbil_far_hook is defined twice" :
+              "hook: no function ", found || depth ? "" : "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {...}");
+    return 0;
+}
+
+/* The engine's text, numbered as source 1, so that errors of the compiler point at its own lines. */
+static void hbil__emit_hook(hbil__sink *s, const char *hook)
+{
+    size_t n = strlen(hook);
+    hbil__puts(s, "// ---- hook\n\n#line 1 1\n");
+    hbil__put(s, hook, n);
+    hbil__puts(s, n && hook[n - 1] == '\n' ? "#line 1 0\n\n" : "\n#line 1 0\n\n");
 }
 
 static int32_t hbil__pass_row(const char *name)
@@ -2161,6 +3669,8 @@ static void hbil__json_textures(hbil__sink *s, const hbil_plan *p)
         hbil__json_int(s, "div", t->div, 0);
         hbil__json_int(s, "mips", t->mips, 0);
         hbil__json_int(s, "copies", t->copies, 0);
+        hbil__json_text(s, "dim", hbil__dim_names[t->dim], 0);
+        hbil__json_int(s, "layers", t->layers, 0);
         hbil__json_text(s, "meaning", hbil__textures[hbil__texture_row(t->name)].meaning, 0);
         hbil__puts(s, "}");
     }
@@ -2315,6 +3825,43 @@ static int hbil__pack_rotation(const hbil_frame *f, double view_z, float out[12]
     return 1;
 }
 
+/* Where the eye is in the world: the inverse of a rigid view applied to the origin. */
+static void hbil__pack_eye(const hbil_frame *f, float out[3])
+{
+    int i, k;
+    for (i = 0; i < 3; ++i) {
+        double sum = 0;
+        for (k = 0; k < 3; ++k) sum -= (double)f->view[i * 4 + k] * (double)f->view[12 + k];
+        out[i] = (float)sum;
+    }
+}
+
+/* The uniforms of far light. */
+static int hbil__pack_environment(const hbil_frame *f, const char *name, float *out, hbil_diags *diags)
+{
+    int i, k;
+    if (strcmp(name, "HBIL_FAR_COLOR") == 0) {
+        if (!hbil__all_finite(f->far_color, 3)) return hbil__frame_fault(diags, "far_color: holds NaN or infinity", "; fill all 3 numbers");
+        memcpy(out, f->far_color, sizeof f->far_color);
+    } else if (strcmp(name, "HBIL_FAR_SH1") == 0 || strcmp(name, "HBIL_FAR_SH2") == 0) {
+        int first = name[11] == '1' ? 0 : 4, count = name[11] == '1' ? 4 : 5;
+        if (!hbil__all_finite(f->far_sh[first], 3 * count))
+            return hbil__frame_fault(diags, "far_sh: holds NaN or infinity", "; fill 4 rows (sh_order=1) or 9");
+        for (i = 0; i < count; ++i)
+            for (k = 0; k < 3; ++k) out[i * 4 + k] = f->far_sh[first + i][k];
+    } else if (strcmp(name, "HBIL_PROBE_ORIGIN") == 0) {
+        if (!hbil__all_finite(f->probe_origin, 3)) return hbil__frame_fault(diags, "probe_origin: holds NaN or infinity", "; fill all 3 numbers");
+        memcpy(out, f->probe_origin, sizeof f->probe_origin);
+    } else { /* HBIL_PROBE_SCALE */
+        for (i = 0; i < 3; ++i) {
+            if (!(f->probe_step[i] > 1e-6f && f->probe_step[i] < 1e9f))
+                return hbil__frame_fault(diags, "probe_step: must be in [1e-6, 1e9] m along each axis", "");
+            out[i] = 1.0f / f->probe_step[i];
+        }
+    }
+    return 1;
+}
+
 static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t option, hbil__value *out, hbil_diags *diags)
 {
     char text[32];
@@ -2332,7 +3879,7 @@ static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t op
 static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__camera *cam, const hbil_constant *k,
                           unsigned char *out, hbil_diags *diags)
 {
-    union { float f[12]; int32_t i[2]; uint32_t u; } v;
+    union { float f[20]; int32_t i[2]; uint32_t u; } v;
     int i, j;
     memset(&v, 0, sizeof v);
     if (k->option >= 0) {
@@ -2350,8 +3897,12 @@ static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__c
         if (!hbil__pack_rotation(f, cam->view_z, v.f, diags)) return 0;
     } else if (strcmp(k->name, "HBIL_VIEW_Z") == 0) {
         v.f[0] = (float)cam->view_z;
-    } else { /* HBIL_FRAME_INDEX */
+    } else if (strcmp(k->name, "HBIL_FRAME_INDEX") == 0) {
         v.u = f->index;
+    } else if (strcmp(k->name, "HBIL_EYE") == 0) {
+        hbil__pack_eye(f, v.f);
+    } else if (!hbil__pack_environment(f, k->name, v.f, diags)) {
+        return 0;
     }
     memcpy(out + k->offset, &v, hbil__types[k->type].size);
     return 1;
@@ -2408,6 +3959,11 @@ const char *hbil_preset_name(int32_t index)
 const char *hbil_preset_meaning(int32_t index)
 {
     return index >= 0 && index < HBIL__COUNT(hbil__presets) ? hbil__presets[index].meaning : NULL;
+}
+
+const char *hbil_preset_sources(int32_t index)
+{
+    return index >= 0 && index < HBIL__COUNT(hbil__presets) ? hbil__presets[index].sources : NULL;
 }
 
 hbil_result hbil_config_preset(const char *name, hbil_config *out, hbil_diags *diags)
@@ -2476,10 +4032,50 @@ static hbil_result hbil__resolve_values(hbil_config *c, hbil_diags *diags)
     return result;
 }
 
+/* Where 0 stands for another shader it is no value to vary from. */
+static int hbil__check_dynamic(const hbil_config *c, hbil_diags *diags)
+{
+    int32_t i;
+    int ok = 1;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
+        const hbil_option *o = &hbil__options[i];
+        hbil__sink s;
+        if (!(c->dynamic & o->dynamic) || o->def != 0 || hbil__get(c, i).u) continue;
+        hbil__report(diags, HBIL_ERROR, hbil_option_find("dynamic", 7, NULL), &s);
+        hbil__puts(&s, "dynamic=");
+        hbil__puts(&s, o->name);
+        hbil__puts(&s, ": 0 stands for a shader without it, which no uniform can change; set ");
+        hbil__puts(&s, o->name);
+        hbil__puts(&s, " to its first value");
+        hbil__sink_close(&s, NULL);
+        ok = 0;
+    }
+    return ok;
+}
+
+/* Combinations without a meaning: refused, never replaced by something else in silence. */
+static int hbil__check_combination(const hbil_config *c, hbil_diags *diags)
+{
+    int32_t i;
+    int ok = 1;
+    for (i = 0; i < HBIL__COUNT(hbil__refused); ++i) {
+        hbil__sink s;
+        if (!hbil__holds(c, hbil__refused[i].expression)) continue;
+        hbil__report(diags, HBIL_ERROR, hbil_option_find(hbil__refused[i].fix, strcspn(hbil__refused[i].fix, "="), NULL), &s);
+        hbil__puts(&s, hbil__refused[i].why);
+        hbil__puts(&s, "; set ");
+        hbil__puts(&s, hbil__refused[i].fix);
+        hbil__sink_close(&s, NULL);
+        ok = 0;
+    }
+    return ok;
+}
+
 hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_diags *diags)
 {
     hbil_config c;
     hbil_result result;
+    unsigned char idle[HBIL__COUNT(hbil__options)] = { 0 };
     int32_t i;
     if (!in || !out) return HBIL_E_ARG;
     c = *in;
@@ -2496,19 +4092,16 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices * c.steps > 32000) /* two sides; gallivm counts the iterations of all loops of an invocation */
         hbil__say(diags, HBIL_WARNING, hbil_option_find("steps", 5, NULL), "slices * steps is above 32000",
                   ": Mesa's software rasterisers stop a shader after 65535 iterations");
-    if ((c.dynamic & HBIL_DYNAMIC_REACH) && c.reach == 0) {
-        hbil__say(diags, HBIL_ERROR, hbil_option_find("dynamic", 7, NULL), "dynamic=reach: the whole screen (reach=0) has no radius to vary",
-                  "; set reach to its first value in m");
-        result = HBIL_E_CONFIG;
-    }
     for (i = 0; i < HBIL__COUNT(hbil__options); ++i) {
         const hbil_option *o = &hbil__options[i];
         if (hbil__holds(&c, o->applies)) continue;
-        if (hbil__get(&c, i).u != hbil__default(i).u || (c.dynamic & o->dynamic))
-            hbil__say(diags, HBIL_NOTE, i, o->name, " has no effect in this config and was put back to its default");
+        idle[i] = hbil__get(&c, i).u != hbil__default(i).u || (c.dynamic & o->dynamic);
         hbil__set(&c, i, hbil__default(i));
         c.dynamic &= ~o->dynamic;
     }
+    if (!hbil__check_dynamic(&c, diags) || !hbil__check_combination(&c, diags)) result = HBIL_E_CONFIG;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i) /* after the errors: a short list must not lose those */
+        if (idle[i]) hbil__say(diags, HBIL_NOTE, i, hbil__options[i].name, " has no effect in this config and was put back to its default");
     if (result == HBIL_OK) *out = c;
     return result;
 }
@@ -2608,7 +4201,7 @@ uint64_t hbil_plan_memory(const hbil_plan *plan, uint32_t width, uint32_t height
         if (t->life < HBIL_LIFE_TRANSIENT) continue;
         for (m = 0; m < t->mips; ++m) {
             uint64_t w = wh[0] >> m ? wh[0] >> m : 1, h = wh[1] >> m ? wh[1] >> m : 1;
-            sum += w * h * t->copies * hbil_format_bytes((hbil_format)t->format);
+            sum += w * h * t->copies * t->layers * hbil_format_bytes((hbil_format)t->format);
         }
     }
     return sum;
@@ -2631,20 +4224,29 @@ hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *frame, hbil
     return HBIL_OK;
 }
 
-hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need)
+hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char *hook, char *buf, size_t cap, size_t *need,
+                                hbil_diags *diags)
 {
     hbil__sink s = hbil__sink_open(buf, cap);
     hbil__used used;
     int32_t row;
     if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count || (!buf && cap)) return HBIL_E_ARG;
+    if (!plan->passes[pass].hook) hook = NULL;
+    else if (!hbil__hook_fits(hook, diags)) return HBIL_E_HOOK;
     row = hbil__pass_row(plan->passes[pass].name);
     hbil__scan_pass(&plan->config, row, &used);
     hbil__emit_header(&s, plan, pass, row);
     hbil__emit_bindings(&s, plan, &plan->passes[pass]);
     if (plan->passes[pass].constants) hbil__emit_block(&s, plan);
     hbil__emit_constants(&s, &plan->config, &used);
+    if (hook) hbil__emit_hook(&s, hook);
     hbil__emit_chunks(&s, &plan->config, &used);
     return hbil__sink_close(&s, need);
+}
+
+hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need)
+{
+    return hbil_emit_glsl_hook(plan, pass, NULL, buf, cap, need, NULL);
 }
 
 hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need)
@@ -2691,10 +4293,11 @@ hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame *frame, 
 /* The plan must stay plain data of a known size. */
 typedef char hbil__static_assert_plan[sizeof(hbil_plan) <= 8192 ? 1 : -1];
 typedef char hbil__static_assert_options[HBIL__COUNT(hbil__options) <= 64 ? 1 : -1];
-typedef char hbil__static_assert_chunks[HBIL__COUNT(hbil__chunks) <= 256 ? 1 : -1];
+typedef char hbil__static_assert_chunk_bits[HBIL__COUNT(hbil__chunks) <= 256 ? 1 : -1];
 typedef char hbil__static_assert_tables[HBIL__COUNT(hbil__textures) <= HBIL_MAX_TEXTURES &&
                                         HBIL__COUNT(hbil__passes) <= HBIL_MAX_PASSES &&
-                                        HBIL__COUNT(hbil__uniforms) <= 32 ? 1 : -1];
+                                        HBIL__COUNT(hbil__uniforms) <= 32 &&
+                                        HBIL__COUNT(hbil__array_ends) == HBIL__COUNT(hbil__types) ? 1 : -1];
 
 #endif /* HBIL_IMPLEMENTED */
 #endif /* HBIL_IMPLEMENTATION */

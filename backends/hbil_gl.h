@@ -7,9 +7,10 @@
  *
  * Features
  *   [x] Any plan with target=gl: inputs, outputs, transient and history textures (copies, age)
+ *   [x] 2D, multisampled, array, cube and 3D textures; your function for environment=hook
  *   [x] Barriers: glMemoryBarrier exactly where the plan says, with the narrowest bits
- *   [x] Your textures are checked once, on resize: missing, not 2D, too small, wrong format; the message names the fix
- *   [x] No heap, no thread, no global: the context lives in your memory (6 KB), text passes through your scratch buffer
+ *   [x] Your textures are checked once, on resize: missing, wrong target, too small, wrong format; the message names the fix
+ *   [x] No heap, no thread, no global: the context lives in your memory (7 KB), text passes through your scratch buffer
  *   [x] Puts back all GL state that it touches (list below); tests/gpu/test_gl_state.c sets each item and compares
  *   [x] Milliseconds per pass, also on software rasterisers
  *   [x] Labels on programs and textures, for RenderDoc and debug output
@@ -26,25 +27,29 @@
  *   | hbil_gl (the struct)          | you            | you, after hbil_gl_shutdown               |
  *   | scratch buffer                | you            | you, right after hbil_gl_init             |
  *   | plan                          | you            | you, right after hbil_gl_init: it is copied |
+ *   | text of your hook             | you            | you, right after hbil_gl_init             |
+ *   | resources that it reads       | you            | you, after hbil_gl_shutdown               |
  *   | INPUT and OUTPUT textures     | you            | you, after the next resize or shutdown    |
  *   | TRANSIENT, HISTORY textures   | hbil_gl_resize | hbil_gl_resize, hbil_gl_shutdown          |
  *   | a program per pass            | hbil_gl_init   | hbil_gl_shutdown                          |
- *   | one sampler, one buffer       | hbil_gl_init   | hbil_gl_shutdown                          |
+ *   | two samplers, one buffer      | hbil_gl_init   | hbil_gl_shutdown                          |
  *
  * State put back
  *   hbil_gl_init, hbil_gl_shutdown   touch none
- *   hbil_gl_resize                   GL_TEXTURE_BINDING_2D of the active unit
+ *   hbil_gl_resize                   of the active unit, for each target that the plan has: GL_TEXTURE_BINDING_<target>
  *   hbil_gl_run                      GL_CURRENT_PROGRAM
  *                                    GL_ACTIVE_TEXTURE
- *                                    of each texture unit that the plan uses: GL_TEXTURE_BINDING_2D, GL_SAMPLER_BINDING
+ *                                    of each texture unit that the plan uses: GL_SAMPLER_BINDING, and for each target that
+ *                                    it uses there: GL_TEXTURE_BINDING_<target>
  *                                    of each image unit that the plan uses: GL_IMAGE_BINDING_NAME, _LEVEL, _LAYERED, _LAYER,
  *                                    _ACCESS, _FORMAT
  *                                    of the uniform binding that the plan uses: GL_UNIFORM_BUFFER_BINDING, _START, _SIZE
  *                                    GL_UNIFORM_BUFFER_BINDING (the generic one)
+ *                                    GL_TEXTURE_CUBE_MAP_SEAMLESS, on while a plan with a cube map runs
  *   A current program that you have already deleted cannot be put back, since GL frees it when it stops being current: 0 is
  *   current afterwards. Call hbil_gl_run outside transform feedback and conditional rendering, which GL applies to it too.
  *   glGetError is never called while all goes well, so errors of yours stay pending. Where a GL call of ours fails (a texture
- *   that is not 2D, no memory), its error is taken off again and the message shows it; one of yours that was pending then goes
+ *   of another target, no memory), its error is taken off again and the message shows it; one of yours that was pending then goes
  *   with it, since GL keeps the first only.
  *
  * Integration in five steps
@@ -55,9 +60,18 @@
  *          hbil_gl_info info = {0};
  *          info.plan = &plan; info.get_proc = get_proc; info.scratch = scratch; info.scratch_size = sizeof scratch;
  *          if (hbil_gl_init(&info, &gl) != HBIL_GL_OK) puts(gl.message);
- *   3. When the size or a texture of yours changes: put your texture names where the plan wants them, then resize. INPUT: any
- *      2D texture with level 0 of a float, normalised or depth format, texels fetched without filter. OUTPUT: of exactly
- *      hbil_gl_format(plan.textures[i].format). All at least as large as the frame; larger is fine, texel 0,0 is the corner.
+ *      With environment=hook: info.hook = your GLSL text, see hbil_emit_glsl_hook. It may declare samplers, images and blocks
+ *      on units that no pass of the plan uses (take the highest); bind them before hbil_gl_run, which leaves them alone.
+ *      Messages of the driver about it point into source 1, at its own lines (Mesa says source 0 in some, with that line).
+ *   3. When the size or a texture of yours changes: put your texture names where the plan wants them, then resize. INPUT: a
+ *      texture with level 0 of a float, normalised or depth format. OUTPUT: of exactly hbil_gl_format(plan.textures[i].format).
+ *      By hbil_texture.dim, at least as large as the frame (larger is fine, texel 0,0 is the corner), read by texelFetch:
+ *          2D              GL_TEXTURE_2D
+ *          2D_MULTISAMPLE  GL_TEXTURE_2D_MULTISAMPLE with more samples than plan.config.sample
+ *          2D_ARRAY        GL_TEXTURE_2D_ARRAY of at least hbil_texture.layers layers; written as a whole
+ *      and of any size, read with a linear filter at level 0, clamped to the edge:
+ *          CUBE            GL_TEXTURE_CUBE_MAP
+ *          3D              GL_TEXTURE_3D
  *          unsigned textures[HBIL_MAX_TEXTURES] = {0};
  *          textures[hbil_plan_texture(&plan, "depth")] = my_depth; ...
  *          hbil_gl_resize(&gl, width, height, textures);
@@ -67,6 +81,7 @@
  *      hbil_gl_shutdown(&gl);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook
  *   2026-11-22  NEW   first version
  */
 
@@ -95,6 +110,8 @@ extern "C" {
 #define HBIL_GL_MAX_COPIES 4  /* of one HISTORY texture */
 #define HBIL_GL_MAX_UNITS  16 /* texture units and image units 0..15 */
 
+#define HBIL_GL__DIMS (HBIL_DIM_3D + 1)
+
 /* Result of every call that can fail; hbil_gl.message then says what to do. This list makes the enum and the names. */
 #define HBIL_GL_RESULTS(X)                                                  \
     X(OK,         "success")                                                \
@@ -104,7 +121,7 @@ extern "C" {
     X(E_PLAN,     "plan is for another target or exceeds a limit")          \
     X(E_SPACE,    "scratch buffer too small")                               \
     X(E_COMPILE,  "the driver rejects a shader")                            \
-    X(E_TEXTURE,  "a texture of yours is missing, too small or of the wrong format") \
+    X(E_TEXTURE,  "a texture of yours is missing, too small or of the wrong kind") \
     X(E_MEMORY,   "a texture of ours cannot be made")                       \
     X(E_FRAME,    "frame does not fit the plan or the last resize")
 #define HBIL_GL__RESULT_ENUM(name, text) HBIL_GL_##name,
@@ -133,7 +150,9 @@ typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESU
     X(void,     deleteSamplers,         "glDeleteSamplers",         (int count, const unsigned *samplers))               \
     X(void,     deleteShader,           "glDeleteShader",           (unsigned shader))                                   \
     X(void,     deleteTextures,         "glDeleteTextures",         (int count, const unsigned *textures))               \
+    X(void,     disable,                "glDisable",                (unsigned capability))                               \
     X(void,     dispatchCompute,        "glDispatchCompute",        (unsigned x, unsigned y, unsigned z))                \
+    X(void,     enable,                 "glEnable",                 (unsigned capability))                               \
     X(void,     finish,                 "glFinish",                 (void))                                              \
     X(void,     genBuffers,             "glGenBuffers",             (int count, unsigned *buffers))                      \
     X(void,     genSamplers,            "glGenSamplers",            (int count, unsigned *samplers))                     \
@@ -152,6 +171,7 @@ typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESU
     X(const unsigned char *, getString, "glGetString",              (unsigned name))                                     \
     X(void,     getTexLevelParameteriv, "glGetTexLevelParameteriv", (unsigned target, int level, unsigned name,          \
                                                                      int *value))                                        \
+    X(unsigned char, isEnabled,         "glIsEnabled",              (unsigned capability))                               \
     X(unsigned char, isProgram,         "glIsProgram",              (unsigned program))                                  \
     X(unsigned char, isTexture,         "glIsTexture",              (unsigned texture))                                  \
     X(void,     linkProgram,            "glLinkProgram",            (unsigned program))                                  \
@@ -163,6 +183,8 @@ typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESU
                                                                      const char *const *text, const int *lengths))       \
     X(void,     texStorage2D,           "glTexStorage2D",           (unsigned target, int levels, unsigned format,       \
                                                                      int width, int height))                             \
+    X(void,     texStorage3D,           "glTexStorage3D",           (unsigned target, int levels, unsigned format,       \
+                                                                     int width, int height, int depth))                  \
     X(void,     useProgram,             "glUseProgram",             (unsigned program))
 #define HBIL_GL__MEMBER(type, member, name, args) type (HBIL_GL_CALL *member) args;
 typedef struct hbil_gl_functions { HBIL_GL__FUNCTIONS(HBIL_GL__MEMBER) } hbil_gl_functions;
@@ -172,8 +194,9 @@ typedef struct hbil_gl_info {
     const hbil_plan *plan;      /* built with target=gl */
     void *(*get_proc)(void *user, const char *name); /* address of a GL function of the current context, NULL: unknown */
     void  *user;                /* handed to get_proc */
-    char  *scratch;             /* for the text of one pass at a time; HBIL_GLSL_MAX bytes are always enough */
+    char  *scratch;             /* for the text of one pass at a time; HBIL_GLSL_MAX bytes, and those of hook, are enough */
     size_t scratch_size;
+    const char *hook;           /* environment=hook: your GLSL text, terminated; else NULL */
     int    timings;             /* 1: measure every pass. Waits for the device around each: for profiling only */
 } hbil_gl_info;
 
@@ -183,10 +206,11 @@ typedef struct hbil_gl {
     uint32_t  width, height;    /* render size of our textures; 0 before the first resize */
     int       runnable;         /* 1 after a resize that succeeded */
     int       timings;
-    uint32_t  texture_units, image_units; /* bit n: unit n is used */
+    uint32_t  texture_units[HBIL_GL__DIMS]; /* by hbil_dim. bit n: unit n is used with that target; [0]: with any */
+    uint32_t  image_units;      /* bit n: unit n is used */
     unsigned  program[HBIL_MAX_PASSES];
     unsigned  texture[HBIL_MAX_TEXTURES][HBIL_GL_MAX_COPIES]; /* yours and ours, by plan texture and copy */
-    unsigned  sampler;          /* nearest, no comparison: overrules the parameters of your textures */
+    unsigned  samplers[2];      /* nearest; linear for CUBE and 3D. They overrule the parameters of your textures */
     unsigned  buffer;           /* uniform block */
     double    ms[HBIL_MAX_PASSES];
     hbil_gl_functions gl;
@@ -236,9 +260,15 @@ extern "C" {
 
 /* Values from the OpenGL registry, under names that no GL header uses. */
 enum {
-    HBIL_GL__NEAREST = 0x2600, HBIL_GL__TEXTURE_MIN_FILTER = 0x2801, HBIL_GL__TEXTURE_MAG_FILTER = 0x2800,
-    HBIL_GL__TEXTURE_2D = 0x0DE1, HBIL_GL__TEXTURE0 = 0x84C0, HBIL_GL__ACTIVE_TEXTURE = 0x84E0,
-    HBIL_GL__TEXTURE_BINDING_2D = 0x8069, HBIL_GL__SAMPLER_BINDING = 0x8919,
+    HBIL_GL__NEAREST = 0x2600, HBIL_GL__LINEAR = 0x2601, HBIL_GL__TEXTURE_MIN_FILTER = 0x2801, HBIL_GL__TEXTURE_MAG_FILTER = 0x2800,
+    HBIL_GL__TEXTURE_WRAP_S = 0x2802, HBIL_GL__TEXTURE_WRAP_T = 0x2803, HBIL_GL__TEXTURE_WRAP_R = 0x8072,
+    HBIL_GL__CLAMP_TO_EDGE = 0x812F, HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS = 0x884F,
+    HBIL_GL__TEXTURE_2D = 0x0DE1, HBIL_GL__TEXTURE_2D_MULTISAMPLE = 0x9100, HBIL_GL__TEXTURE_2D_ARRAY = 0x8C1A,
+    HBIL_GL__TEXTURE_CUBE_MAP = 0x8513, HBIL_GL__TEXTURE_CUBE_MAP_POSITIVE_X = 0x8515, HBIL_GL__TEXTURE_3D = 0x806F,
+    HBIL_GL__TEXTURE_BINDING_2D = 0x8069, HBIL_GL__TEXTURE_BINDING_2D_MULTISAMPLE = 0x9104,
+    HBIL_GL__TEXTURE_BINDING_2D_ARRAY = 0x8C1D, HBIL_GL__TEXTURE_BINDING_CUBE_MAP = 0x8514, HBIL_GL__TEXTURE_BINDING_3D = 0x806A,
+    HBIL_GL__TEXTURE0 = 0x84C0, HBIL_GL__ACTIVE_TEXTURE = 0x84E0, HBIL_GL__SAMPLER_BINDING = 0x8919,
+    HBIL_GL__TEXTURE_DEPTH = 0x8071, HBIL_GL__TEXTURE_SAMPLES = 0x9106,
     HBIL_GL__TEXTURE_WIDTH = 0x1000, HBIL_GL__TEXTURE_HEIGHT = 0x1001, HBIL_GL__TEXTURE_INTERNAL_FORMAT = 0x1003,
     HBIL_GL__TEXTURE_RED_TYPE = 0x8C10, HBIL_GL__INT = 0x1404, HBIL_GL__UNSIGNED_INT = 0x1405,
     HBIL_GL__R32F = 0x822E, HBIL_GL__R32UI = 0x8236, HBIL_GL__RGBA32F = 0x8814,
@@ -255,10 +285,22 @@ enum {
     HBIL_GL__VERSION = 0x1F02, HBIL_GL__TIMESTAMP = 0x8E28
 };
 
+/* Targets by hbil_dim. level: what glGetTexLevelParameteriv takes. */
+static const struct { unsigned target, binding, level; const char *name; } hbil_gl__targets[HBIL_GL__DIMS] = {
+    { 0, 0, 0, "" },
+    { HBIL_GL__TEXTURE_2D, HBIL_GL__TEXTURE_BINDING_2D, HBIL_GL__TEXTURE_2D, "GL_TEXTURE_2D" },
+    { HBIL_GL__TEXTURE_2D_MULTISAMPLE, HBIL_GL__TEXTURE_BINDING_2D_MULTISAMPLE, HBIL_GL__TEXTURE_2D_MULTISAMPLE,
+      "GL_TEXTURE_2D_MULTISAMPLE" },
+    { HBIL_GL__TEXTURE_2D_ARRAY, HBIL_GL__TEXTURE_BINDING_2D_ARRAY, HBIL_GL__TEXTURE_2D_ARRAY, "GL_TEXTURE_2D_ARRAY" },
+    { HBIL_GL__TEXTURE_CUBE_MAP, HBIL_GL__TEXTURE_BINDING_CUBE_MAP, HBIL_GL__TEXTURE_CUBE_MAP_POSITIVE_X, "GL_TEXTURE_CUBE_MAP" },
+    { HBIL_GL__TEXTURE_3D, HBIL_GL__TEXTURE_BINDING_3D, HBIL_GL__TEXTURE_3D, "GL_TEXTURE_3D" } };
+
+static int hbil_gl__filtered(const hbil_texture *t) { return t->dim == HBIL_DIM_CUBE || t->dim == HBIL_DIM_3D; }
+
 /* What hbil_gl_run changes: the list of the header. */
 typedef struct hbil_gl__state {
-    int     program, active_texture;
-    int     texture[HBIL_GL_MAX_UNITS], sampler[HBIL_GL_MAX_UNITS];
+    int     program, active_texture, seamless;
+    int     texture[HBIL_GL_MAX_UNITS][HBIL_GL__DIMS], sampler[HBIL_GL_MAX_UNITS];
     struct { int name, level, layered, layer, access, format; } image[HBIL_GL_MAX_UNITS];
     int     uniform_buffer, uniform_generic;
     int64_t uniform_start, uniform_size;
@@ -308,11 +350,28 @@ static hbil_gl_result hbil_gl__load(hbil_gl *ctx, const hbil_gl_info *info)
     return HBIL_GL_OK;
 }
 
+static hbil_gl_result hbil_gl__check_plan_texture(hbil_gl *ctx, const hbil_texture *t)
+{
+    int flat = t->dim == HBIL_DIM_2D || t->dim == HBIL_DIM_2D_ARRAY;
+    if (t->life != HBIL_LIFE_INPUT && !hbil_gl_format((hbil_format)t->format))
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has a format unknown to this hbil_gl.h: take the one of the "
+                             "same release as hbil.h", t->name);
+    if (t->copies < 1 || t->copies > HBIL_GL_MAX_COPIES)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has %u copies: raise HBIL_GL_MAX_COPIES (%d)", t->name,
+                             (unsigned)t->copies, HBIL_GL_MAX_COPIES);
+    if (t->dim < HBIL_DIM_2D || t->dim >= HBIL_GL__DIMS || t->layers < 1 || (t->life != HBIL_LIFE_INPUT && !flat) ||
+        (t->dim == HBIL_DIM_2D && t->layers != 1))
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has dim %u and %u layers: only inputs may be other than 2D of one "
+                             "layer or 2D_ARRAY", t->name, (unsigned)t->dim, (unsigned)t->layers);
+    return HBIL_GL_OK;
+}
+
 /* Checks all that could make a later GL call fail, and notes which units the plan uses. */
 static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
 {
     const hbil_plan *plan = &ctx->plan;
     int texture_units = 0, image_units = 0, uniform_bindings = 0;
+    hbil_gl_result result = HBIL_GL_OK;
     uint32_t i, k;
     if (plan->config.target != HBIL_TARGET_GL)
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the plan was built for another target: set target=gl in the config before "
@@ -322,15 +381,9 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
     ctx->gl.getIntegerv(HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS, &uniform_bindings);
     if (texture_units > HBIL_GL_MAX_UNITS) texture_units = HBIL_GL_MAX_UNITS;
     if (image_units > HBIL_GL_MAX_UNITS) image_units = HBIL_GL_MAX_UNITS;
-    for (i = 0; i < plan->texture_count; ++i) {
-        const hbil_texture *t = &plan->textures[i];
-        if (t->life != HBIL_LIFE_INPUT && !hbil_gl_format((hbil_format)t->format))
-            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has a format unknown to this hbil_gl.h: take the one of the "
-                                 "same release as hbil.h", t->name);
-        if (t->copies < 1 || t->copies > HBIL_GL_MAX_COPIES)
-            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has %u copies: raise HBIL_GL_MAX_COPIES (%d)", t->name,
-                                 (unsigned)t->copies, HBIL_GL_MAX_COPIES);
-    }
+    for (i = 0; i < plan->texture_count && result == HBIL_GL_OK; ++i)
+        result = hbil_gl__check_plan_texture(ctx, &plan->textures[i]);
+    if (result != HBIL_GL_OK) return result;
     for (i = 0; i < plan->pass_count; ++i)
         for (k = 0; k < plan->passes[i].binding_count; ++k) {
             const hbil_binding *b = &plan->passes[i].bindings[k];
@@ -338,7 +391,8 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
             if (b->slot >= units)
                 return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s uses %s unit %u, %d can be used here: ask for fewer outputs",
                                      plan->passes[i].name, write ? "image" : "texture", (unsigned)b->slot, units);
-            *(write ? &ctx->image_units : &ctx->texture_units) |= 1u << b->slot;
+            *(write ? &ctx->image_units : &ctx->texture_units[0]) |= 1u << b->slot;
+            if (!write) ctx->texture_units[plan->textures[b->texture].dim] |= 1u << b->slot;
         }
     if (plan->constants_slot >= (uint32_t)uniform_bindings)
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the uniform block is at binding %u, the context has %d",
@@ -380,12 +434,22 @@ static hbil_gl_result hbil_gl__make_programs(hbil_gl *ctx, const hbil_gl_info *i
     uint32_t pass;
     for (pass = 0; pass < ctx->plan.pass_count; ++pass) {
         size_t need = 0;
+        hbil_diag diag;
+        hbil_diags diags;
         hbil_gl_result result;
-        hbil_result emitted = hbil_emit_glsl(&ctx->plan, (int32_t)pass, info->scratch, info->scratch_size, &need);
+        hbil_result emitted;
+        memset(&diag, 0, sizeof diag);
+        diags.items = &diag;
+        diags.capacity = 1;
+        diags.count = 0;
+        emitted = hbil_emit_glsl_hook(&ctx->plan, (int32_t)pass, info->hook, info->scratch, info->scratch_size, &need, &diags);
         if (emitted == HBIL_E_SPACE)
             return hbil_gl__fail(ctx, HBIL_GL_E_SPACE, "the text of pass %s takes %lu bytes, the scratch buffer has %lu: give "
-                                 "it HBIL_GLSL_MAX", ctx->plan.passes[pass].name, (unsigned long)need,
+                                 "it HBIL_GLSL_MAX, and what your hook takes", ctx->plan.passes[pass].name, (unsigned long)need,
                                  (unsigned long)info->scratch_size);
+        if (emitted == HBIL_E_HOOK)
+            return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "pass %s: %s: see hbil_gl_info.hook", ctx->plan.passes[pass].name,
+                                 diag.text[0] ? diag.text : hbil_result_name(emitted));
         if (emitted != HBIL_OK)
             return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "hbil_emit_glsl: %s: build the plan with hbil_plan_build",
                                  hbil_result_name(emitted));
@@ -409,29 +473,62 @@ static void hbil_gl__delete_textures(hbil_gl *ctx)
 
 /* ---------------------------------------------------------------------------------------------------------- resize */
 
-/* Binds a texture of yours to the active unit and asks GL what it is. */
-static hbil_gl_result hbil_gl__check_texture(hbil_gl *ctx, uint32_t index, unsigned name, const uint32_t extent[2])
+/* Size and kind of what is bound, as the plan wants it. extent: least size, of CUBE and 3D 1 x 1. */
+static hbil_gl_result hbil_gl__check_shape(hbil_gl *ctx, uint32_t index, unsigned name, const uint32_t extent[2])
 {
-    const hbil_gl_functions *gl = &ctx->gl;
     const hbil_texture *t = &ctx->plan.textures[index];
     const char *role = t->life == HBIL_LIFE_INPUT ? "input" : "output";
-    int bound = 0, width = 0, height = 0, format = 0, type = 0;
-    if (!name || !gl->isTexture(name))
-        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s is missing: put the name of a GL texture into textures[%u], it is "
-                             "%u", role, t->name, (unsigned)index, name);
-    gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
-    gl->getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &bound);
-    if ((unsigned)bound != name)
-        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u is not a GL_TEXTURE_2D (GL error 0x%04x): arrays, "
-                             "rectangles and multisample textures need a copy", role, t->name, name, gl->getError());
-    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_WIDTH, &width);
-    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_HEIGHT, &height);
-    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_INTERNAL_FORMAT, &format);
-    gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_RED_TYPE, &type);
+    unsigned level = hbil_gl__targets[t->dim].level, face;
+    int width = 0, height = 0, count = 0;
+    ctx->gl.getTexLevelParameteriv(level, 0, HBIL_GL__TEXTURE_WIDTH, &width);
+    ctx->gl.getTexLevelParameteriv(level, 0, HBIL_GL__TEXTURE_HEIGHT, &height);
     if ((uint32_t)width < extent[0] || (uint32_t)height < extent[1])
         return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: level 0 of texture %u is %d x %d, the frame needs %u x %u: make it "
                              "that large, or resize to a smaller frame", role, t->name, name, width, height,
                              (unsigned)extent[0], (unsigned)extent[1]);
+    for (face = 1; t->dim == HBIL_DIM_CUBE && face < 6; ++face) {
+        ctx->gl.getTexLevelParameteriv(level + face, 0, HBIL_GL__TEXTURE_WIDTH, &count);
+        if (count != width || width != height)
+            return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: face %u of texture %u is %d wide, face 0 is %d x %d: fill six "
+                                 "square faces of one size", role, t->name, face, name, count, width, height);
+    }
+    if (t->dim == HBIL_DIM_2D_ARRAY) {
+        ctx->gl.getTexLevelParameteriv(level, 0, HBIL_GL__TEXTURE_DEPTH, &count);
+        if (count < t->layers)
+            return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u has %d layers, the plan needs %u", role, t->name,
+                                 name, count, (unsigned)t->layers);
+    }
+    if (t->dim == HBIL_DIM_2D_MULTISAMPLE) {
+        ctx->gl.getTexLevelParameteriv(level, 0, HBIL_GL__TEXTURE_SAMPLES, &count);
+        if (count <= ctx->plan.config.sample)
+            return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u has %d samples, the plan reads sample %d: build it "
+                                 "with a lower one", role, t->name, name, count, (int)ctx->plan.config.sample);
+    }
+    return HBIL_GL_OK;
+}
+
+/* Binds a texture of yours to the active unit and asks GL what it is. */
+static hbil_gl_result hbil_gl__check_texture(hbil_gl *ctx, uint32_t index, unsigned name, const uint32_t extent[2])
+{
+    static const uint32_t any[2] = { 1, 1 };
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_texture *t = &ctx->plan.textures[index];
+    const char *role = t->life == HBIL_LIFE_INPUT ? "input" : "output";
+    hbil_gl_result result;
+    int bound = 0, format = 0, type = 0;
+    if (!name || !gl->isTexture(name))
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s is missing: put the name of a GL texture into textures[%u], it is "
+                             "%u", role, t->name, (unsigned)index, name);
+    gl->bindTexture(hbil_gl__targets[t->dim].target, name);
+    gl->getIntegerv(hbil_gl__targets[t->dim].binding, &bound);
+    if ((unsigned)bound != name)
+        return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u is not a %s (GL error 0x%04x): other kinds need a copy, "
+                             "or an option that asks for them", role, t->name, name, hbil_gl__targets[t->dim].name,
+                             gl->getError());
+    gl->getTexLevelParameteriv(hbil_gl__targets[t->dim].level, 0, HBIL_GL__TEXTURE_INTERNAL_FORMAT, &format);
+    gl->getTexLevelParameteriv(hbil_gl__targets[t->dim].level, 0, HBIL_GL__TEXTURE_RED_TYPE, &type);
+    result = hbil_gl__check_shape(ctx, index, name, hbil_gl__filtered(t) ? any : extent);
+    if (result != HBIL_GL_OK) return result;
     if (t->life == HBIL_LIFE_OUTPUT && (unsigned)format != hbil_gl_format((hbil_format)t->format))
         return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "output %s: texture %u has internal format 0x%04x, the shader stores %s: "
                              "make it with 0x%04x, see hbil_gl_format", t->name, name, (unsigned)format,
@@ -447,14 +544,16 @@ static hbil_gl_result hbil_gl__make_texture(hbil_gl *ctx, uint32_t index, const 
 {
     const hbil_gl_functions *gl = &ctx->gl;
     const hbil_texture *t = &ctx->plan.textures[index];
+    unsigned target = hbil_gl__targets[t->dim].target, format = hbil_gl_format((hbil_format)t->format);
     uint32_t copy;
     gl->genTextures(t->copies, ctx->texture[index]);
     for (copy = 0; copy < t->copies; ++copy) {
         unsigned name = ctx->texture[index][copy];
         int width = 0;
-        gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
-        gl->texStorage2D(HBIL_GL__TEXTURE_2D, t->mips, hbil_gl_format((hbil_format)t->format), (int)extent[0], (int)extent[1]);
-        gl->getTexLevelParameteriv(HBIL_GL__TEXTURE_2D, 0, HBIL_GL__TEXTURE_WIDTH, &width);
+        gl->bindTexture(target, name);
+        if (t->dim == HBIL_DIM_2D_ARRAY) gl->texStorage3D(target, t->mips, format, (int)extent[0], (int)extent[1], t->layers);
+        else gl->texStorage2D(target, t->mips, format, (int)extent[0], (int)extent[1]);
+        gl->getTexLevelParameteriv(target, 0, HBIL_GL__TEXTURE_WIDTH, &width);
         if ((uint32_t)width != extent[0])
             return hbil_gl__fail(ctx, HBIL_GL_E_MEMORY, "texture %s, %s, %u x %u, cannot be made (GL error 0x%04x): free video "
                                  "memory or render at a smaller size", t->name, hbil_format_name((hbil_format)t->format),
@@ -492,13 +591,15 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
 static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    uint32_t unit, slot = ctx->plan.constants_slot;
+    uint32_t unit, dim, slot = ctx->plan.constants_slot;
     gl->getIntegerv(HBIL_GL__CURRENT_PROGRAM, &s->program);
     gl->getIntegerv(HBIL_GL__ACTIVE_TEXTURE, &s->active_texture);
     for (unit = 0; unit < HBIL_GL_MAX_UNITS; ++unit) {
-        if (ctx->texture_units >> unit & 1) {
+        if (ctx->texture_units[0] >> unit & 1) {
             gl->activeTexture(HBIL_GL__TEXTURE0 + unit);
-            gl->getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &s->texture[unit]);
+            for (dim = 1; dim < HBIL_GL__DIMS; ++dim)
+                if (ctx->texture_units[dim] >> unit & 1)
+                    gl->getIntegerv(hbil_gl__targets[dim].binding, &s->texture[unit][dim]);
             gl->getIntegerv(HBIL_GL__SAMPLER_BINDING, &s->sampler[unit]);
         }
         if (ctx->image_units >> unit & 1) {
@@ -510,6 +611,7 @@ static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
             gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_FORMAT, unit, &s->image[unit].format);
         }
     }
+    s->seamless = !ctx->texture_units[HBIL_DIM_CUBE] || gl->isEnabled(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS);
     gl->getIntegerv(HBIL_GL__UNIFORM_BUFFER_BINDING, &s->uniform_generic);
     gl->getIntegeri_v(HBIL_GL__UNIFORM_BUFFER_BINDING, slot, &s->uniform_buffer);
     gl->getInteger64i_v(HBIL_GL__UNIFORM_BUFFER_START, slot, &s->uniform_start);
@@ -519,11 +621,13 @@ static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
 static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    uint32_t unit, slot = ctx->plan.constants_slot;
+    uint32_t unit, dim, slot = ctx->plan.constants_slot;
     for (unit = 0; unit < HBIL_GL_MAX_UNITS; ++unit) {
-        if (ctx->texture_units >> unit & 1) {
+        if (ctx->texture_units[0] >> unit & 1) {
             gl->activeTexture(HBIL_GL__TEXTURE0 + unit);
-            gl->bindTexture(HBIL_GL__TEXTURE_2D, (unsigned)s->texture[unit]);
+            for (dim = 1; dim < HBIL_GL__DIMS; ++dim)
+                if (ctx->texture_units[dim] >> unit & 1)
+                    gl->bindTexture(hbil_gl__targets[dim].target, (unsigned)s->texture[unit][dim]);
             gl->bindSampler(unit, (unsigned)s->sampler[unit]);
         }
         if (ctx->image_units >> unit & 1)
@@ -531,6 +635,7 @@ static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
                                  s->image[unit].layer, (unsigned)s->image[unit].access, (unsigned)s->image[unit].format);
     }
     gl->activeTexture((unsigned)s->active_texture);
+    if (!s->seamless) gl->disable(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS);
     /* size 0: bound whole, by glBindBufferBase. Either call also binds the generic point, which therefore comes last. */
     if (s->uniform_size > 0)
         gl->bindBufferRange(HBIL_GL__UNIFORM_BUFFER, slot, (unsigned)s->uniform_buffer, (ptrdiff_t)s->uniform_start,
@@ -547,11 +652,12 @@ static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t fr
     const hbil_texture *t = &ctx->plan.textures[b->texture];
     unsigned name = ctx->texture[b->texture][(frame_index % t->copies + t->copies - b->age) % t->copies];
     if (b->access == HBIL_ACCESS_WRITE) {
-        gl->bindImageTexture(b->slot, name, b->mip, 0, 0, HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
+        gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0, HBIL_GL__WRITE_ONLY,
+                             hbil_gl_format((hbil_format)t->format));
     } else {
         gl->activeTexture(HBIL_GL__TEXTURE0 + (unsigned)b->slot);
-        gl->bindTexture(HBIL_GL__TEXTURE_2D, name);
-        gl->bindSampler(b->slot, ctx->sampler);
+        gl->bindTexture(hbil_gl__targets[t->dim].target, name);
+        gl->bindSampler(b->slot, ctx->samplers[hbil_gl__filtered(t)]);
     }
 }
 
@@ -607,6 +713,7 @@ unsigned hbil_gl_format(hbil_format format)
 hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
 {
     hbil_gl_result result;
+    int i;
     if (!ctx) return HBIL_GL_E_ARG;
     memset(ctx, 0, sizeof *ctx);
     if (!info || !info->plan || !info->get_proc || !info->scratch)
@@ -628,25 +735,33 @@ hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
         return result;
     }
     ctx->gl.genBuffers(1, &ctx->buffer);
-    ctx->gl.genSamplers(1, &ctx->sampler);
-    ctx->gl.samplerParameteri(ctx->sampler, HBIL_GL__TEXTURE_MIN_FILTER, HBIL_GL__NEAREST);
-    ctx->gl.samplerParameteri(ctx->sampler, HBIL_GL__TEXTURE_MAG_FILTER, HBIL_GL__NEAREST);
+    ctx->gl.genSamplers(2, ctx->samplers);
+    for (i = 0; i < 2; ++i) {
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MIN_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MAG_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_S, HBIL_GL__CLAMP_TO_EDGE);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_T, HBIL_GL__CLAMP_TO_EDGE);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_R, HBIL_GL__CLAMP_TO_EDGE);
+    }
     return HBIL_GL_OK;
 }
 
 hbil_gl_result hbil_gl_resize(hbil_gl *ctx, uint32_t width, uint32_t height, const unsigned textures[HBIL_MAX_TEXTURES])
 {
     hbil_gl_result result;
-    int bound = 0;
+    int bound[HBIL_GL__DIMS] = { 0 };
+    uint32_t i;
     if (!ctx) return HBIL_GL_E_ARG;
-    if (!ctx->sampler || !textures)
+    if (!ctx->samplers[0] || !textures)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_resize: hbil_gl_init has to succeed first, textures has to be given");
     ctx->runnable = 0;
     if (!width) width = (uint32_t)ctx->plan.config.width;
     if (!height) height = (uint32_t)ctx->plan.config.height;
-    ctx->gl.getIntegerv(HBIL_GL__TEXTURE_BINDING_2D, &bound);
+    for (i = 0; i < ctx->plan.texture_count; ++i)
+        ctx->gl.getIntegerv(hbil_gl__targets[ctx->plan.textures[i].dim].binding, &bound[ctx->plan.textures[i].dim]);
     result = hbil_gl__set_textures(ctx, width, height, textures);
-    ctx->gl.bindTexture(HBIL_GL__TEXTURE_2D, (unsigned)bound);
+    for (i = 0; i < ctx->plan.texture_count; ++i)
+        ctx->gl.bindTexture(hbil_gl__targets[ctx->plan.textures[i].dim].target, (unsigned)bound[ctx->plan.textures[i].dim]);
     return result;
 }
 
@@ -675,6 +790,7 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
         return hbil_gl__fail(ctx, HBIL_GL_E_FRAME, "frame %u: %s", (unsigned)frame->index,
                              diag.text[0] ? diag.text : "does not fit the plan");
     hbil_gl__save(ctx, &state);
+    if (!state.seamless) ctx->gl.enable(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS); /* as Vulkan has it always */
     if (ctx->plan.constants_size) {
         ctx->gl.bindBufferBase(HBIL_GL__UNIFORM_BUFFER, ctx->plan.constants_slot, ctx->buffer);
         /* a new data store each frame: last frame's may still be in use, and nobody has to wait for it */
@@ -705,7 +821,7 @@ void hbil_gl_shutdown(hbil_gl *ctx)
     if (ctx->gl.deleteProgram) {
         hbil_gl__delete_textures(ctx);
         for (pass = 0; pass < ctx->plan.pass_count; ++pass) ctx->gl.deleteProgram(ctx->program[pass]);
-        ctx->gl.deleteSamplers(1, &ctx->sampler);
+        ctx->gl.deleteSamplers(2, ctx->samplers);
         ctx->gl.deleteBuffers(1, &ctx->buffer);
     }
     memset(ctx, 0, sizeof *ctx);

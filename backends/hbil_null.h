@@ -9,6 +9,7 @@
  * [x] barriers are minimal: each one orders at least one hazard that no other orders
  * [x] slots are unique in their name space and start where the target wants them
  * [x] grids cover their domain and are not a group too large
+ * [x] shapes: only inputs are multisampled, cubes or 3D; what is written is 2D or 2D_ARRAY; layers fit the shape
  * [x] ages below copies, mips below mips, indices in range, outputs written, no texture unused
  * [ ] aliasing of transient memory: needs lifetimes, a later version
  *
@@ -22,7 +23,8 @@
  *   5. 0: run it. Else print items[i].text.
  *
  * CHANGELOG
- *   2026-11  NEW first version. */
+ *   2026-11-24  NEW shapes.
+ *   2026-11     NEW first version. */
 #ifndef HBIL_NULL_H
 #define HBIL_NULL_H
 
@@ -78,6 +80,18 @@ static void hbil_null__fault(hbil_null__walk *w, int pass, int texture, const ch
     ++w->diags->count;
 }
 
+static void hbil_null__check_shape(hbil_null__walk *w, int texture)
+{
+    const hbil_texture *t = &w->plan->textures[texture];
+    if (!t->copies || !t->mips || !t->div) hbil_null__fault(w, -1, texture, "copies, mips and div must be at least 1");
+    if (t->dim < HBIL_DIM_2D || t->dim > HBIL_DIM_3D) hbil_null__fault(w, -1, texture, "dim is no hbil_dim");
+    if (!t->layers) hbil_null__fault(w, -1, texture, "layers must be at least 1");
+    if (t->layers > 1 && t->dim != HBIL_DIM_2D_ARRAY) hbil_null__fault(w, -1, texture, "layers, but dim is not 2D_ARRAY");
+    if (t->mips > 1 && t->dim == HBIL_DIM_2D_MULTISAMPLE) hbil_null__fault(w, -1, texture, "a multisampled texture has no mips");
+    if (t->life != HBIL_LIFE_INPUT && t->dim != HBIL_DIM_2D && t->dim != HBIL_DIM_2D_ARRAY)
+        hbil_null__fault(w, -1, texture, "only an input may be multisampled, a cube or 3D");
+}
+
 /* Counts and indices, so that everything after may trust them. */
 static int hbil_null__check_tables(hbil_null__walk *w)
 {
@@ -87,9 +101,7 @@ static int hbil_null__check_tables(hbil_null__walk *w)
         hbil_null__fault(w, -1, -1, "a count is larger than its table");
         return 0;
     }
-    for (t = 0; t < p->texture_count; ++t)
-        if (!p->textures[t].copies || !p->textures[t].mips || !p->textures[t].div)
-            hbil_null__fault(w, -1, (int)t, "copies, mips and div must be at least 1");
+    for (t = 0; t < p->texture_count; ++t) hbil_null__check_shape(w, (int)t);
     for (i = 0; i < p->pass_count; ++i) {
         const hbil_pass *pass = &p->passes[i];
         if (pass->binding_count > HBIL_MAX_BINDINGS || pass->barrier_count > HBIL_MAX_BINDINGS ||
@@ -103,6 +115,23 @@ static int hbil_null__check_tables(hbil_null__walk *w)
             if (pass->barriers[b].texture >= p->texture_count) hbil_null__fault(w, (int)i, -1, "barrier on a texture that does not exist");
     }
     return w->faults == 0;
+}
+
+/* Shapes against what the passes do with them. */
+static void hbil_null__check_pass(hbil_null__walk *w, int pass)
+{
+    const hbil_plan *p = w->plan;
+    const hbil_pass *a = &p->passes[pass];
+    uint16_t domain = p->textures[a->domain].dim, dim;
+    uint32_t i;
+    if (domain == HBIL_DIM_CUBE || domain == HBIL_DIM_3D)
+        hbil_null__fault(w, pass, a->domain, "the domain has a size of your own, the grid goes by the frame's");
+    if (a->hook && p->config.environment != HBIL_ENVIRONMENT_HOOK) hbil_null__fault(w, pass, -1, "hook, but environment is not hook");
+    for (i = 0; i < a->binding_count; ++i) {
+        dim = p->textures[a->bindings[i].texture].dim;
+        if (a->bindings[i].access == HBIL_ACCESS_WRITE && dim != HBIL_DIM_2D && dim != HBIL_DIM_2D_ARRAY)
+            hbil_null__fault(w, pass, a->bindings[i].texture, "written, but neither 2D nor 2D_ARRAY");
+    }
 }
 
 static void hbil_null__check_slots(hbil_null__walk *w, int pass)
@@ -241,6 +270,7 @@ int hbil_null_check(const hbil_plan *plan, uint32_t width, uint32_t height, hbil
         return w.faults;
     }
     for (i = 0; i < (int)plan->pass_count; ++i) {
+        hbil_null__check_pass(&w, i);
         hbil_null__check_slots(&w, i);
         hbil_null__check_grid(&w, i, &grid[i], width, height);
     }

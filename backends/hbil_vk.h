@@ -8,6 +8,7 @@
  *   [x] Any plan with target=vulkan: inputs, outputs, transient and history textures (copies, age)
  *   [x] No Vulkan extension, no device feature; VK_EXT_debug_utils labels if the instance has them on
  *   [x] No heap, no thread, no global; the context lives in your memory, about 8 KB
+ *   [x] 2D, multisampled, array, cube and 3D textures; resources of your own for environment=hook
  *   [x] Any number of frames in flight without copies: constants are written on the device's own time line
  *   [x] Milliseconds per pass
  *   [x] History textures cleared to 0 on resize
@@ -24,24 +25,36 @@
  *   | images and views of INPUT and OUTPUT textures  | you           | you, after the next resize or shutdown          |
  *   | images, views, memory of TRANSIENT and HISTORY | hbil_vk_resize | hbil_vk_resize, hbil_vk_shutdown               |
  *   | pipelines, layouts, descriptor pool and sets,  | hbil_vk_init  | hbil_vk_shutdown                                |
- *   | one sampler, uniform buffer, query pool        |               |                                                 |
+ *   | two samplers, uniform buffer, query pool       |               |                                                 |
+ *   | layout and set of your hook's resources        | you           | you, after hbil_vk_shutdown                     |
  *
  * Layouts and synchronisation
- *   Inputs   views of one 2D level with sampled usage and a float, normalised or depth format; in hbil_vk_info.input_layout; your
+ *   Inputs   views of one level with sampled usage and a float, normalised or depth format; in hbil_vk_info.input_layout; your
  *            writes made visible to COMPUTE_SHADER / SHADER_READ before the recorded commands.
- *   Outputs  views of one 2D level with storage and sampled usage, of hbil_vk_format; in GENERAL before and after. Your earlier
+ *   Outputs  views of one level with storage and sampled usage, of hbil_vk_format; in GENERAL before and after. Your earlier
  *            accesses finished before COMPUTE_SHADER / SHADER_WRITE. Afterwards the last write is COMPUTE_SHADER /
  *            SHADER_WRITE: your barrier takes it from there.
- *   Both     at least as large as hbil_plan_extent says; larger is fine, texel 0,0 is the corner.
+ *   Shapes   by hbil_texture.dim:
+ *            2D              VIEW_TYPE_2D of an image with one sample; of an array, one layer. Read by texelFetch.
+ *            2D_MULTISAMPLE  VIEW_TYPE_2D of an image with more samples than plan.config.sample. Read by texelFetch.
+ *            2D_ARRAY        VIEW_TYPE_2D_ARRAY of exactly hbil_texture.layers layers.
+ *            CUBE            VIEW_TYPE_CUBE, any size; faces +X -X +Y -Y +Z -Z.
+ *            3D              VIEW_TYPE_3D, any size.
+ *            CUBE and 3D are read through a linear sampler that clamps to the edge, at level 0: a format with
+ *            SAMPLED_IMAGE_FILTER_LINEAR. All others may be of any size from hbil_plan_extent on; texel 0,0 is the corner.
+ *   Hook     environment=hook: a text that declares resources in set 1 needs hbil_vk_info.hook_layout, and hbil_vk.hook_set
+ *            before each record. They are bound as set 1 in the passes that have hbil_pass.hook, and are yours to synchronise.
  *   Ours     always in GENERAL; all barriers are recorded, those against the frame before too.
  *   Order    submit in the order of recording: to one queue, or with semaphores between queues of the same family. Record anew
  *            for each frame; the first recording after a resize sets up our images.
  *   Idle     before hbil_vk_resize and hbil_vk_shutdown the device has finished all that was recorded.
- *   Record   outside a render pass. Leaves the compute pipeline and descriptor set 0 of the compute bind point changed.
+ *   Record   outside a render pass. Leaves the compute pipeline and descriptor sets 0 and 1 of the compute bind point changed.
  *
  * Integration in five steps
  *   1. Plan: hbil_config c = {0}; hbil_plan_build(&c, &plan, &diags);
  *   2. SPIR-V 1.3 or older of each pass: hbil_emit_glsl, then hbil_glslang.h at run time or glslangValidator offline.
+ *      With environment=hook it is hbil_emit_glsl_hook that takes your function: this file never sees text. Messages of the
+ *      compiler about it point into source 1, at its own lines.
  *   3.      hbil_vk_info info = {0};
  *           info.plan = &plan; info.spirv[p].words = ...; info.instance = ...; info.get_proc = vkGetInstanceProcAddr; ...
  *           if (hbil_vk_init(&info, &vk) != HBIL_VK_OK) puts(vk.message);
@@ -53,6 +66,7 @@
  *   5. Each frame, after your G-buffer: hbil_vk_record(&vk, cmd, &frame); submit as ever. At the end: hbil_vk_shutdown(&vk);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook_layout, hook_set
  *   2026-11-22  NEW   first version
  */
 
@@ -102,6 +116,7 @@ typedef struct hbil_vk_info {
     hbil_vk_spirv                spirv[HBIL_MAX_PASSES]; /* one per pass of the plan */
     VkImageLayout                input_layout;   /* of every input: 0 or GENERAL, or SHADER_READ_ONLY_OPTIMAL */
     int                          timestamps;     /* 1: hbil_vk_timings works */
+    VkDescriptorSetLayout        hook_layout;    /* of set 1 in passes with .hook; null: your hook reads no resources */
 } hbil_vk_info;
 
 /* Every function used, as the member without "vk". */
@@ -131,6 +146,7 @@ typedef struct hbil_vk__functions {
 typedef struct hbil_vk {
     char     message[256];          /* why the last failed call failed, and what to do */
     uint32_t width, height;         /* of the last hbil_vk_resize, 0 before */
+    VkDescriptorSet hook_set;       /* you set it: bound as set 1 where hook_layout applies. Read by hbil_vk_record */
 
     /* private */
     hbil_vk__functions           fn;
@@ -138,10 +154,11 @@ typedef struct hbil_vk {
     VkDevice                     device;
     const VkAllocationCallbacks *allocator;
     VkImageLayout                input_layout;
-    uint32_t                     max_extent;
+    uint32_t                     max_extent, max_layers;
     VkPhysicalDeviceMemoryProperties memory_types;
 
-    VkSampler                    sampler;
+    VkSampler                    samplers[2];    /* nearest; linear, for CUBE and 3D */
+    VkDescriptorSetLayout        hook_layout;
     VkBuffer                     constants;
     VkDeviceMemory               constants_memory;
     VkQueryPool                  queries;        /* one timestamp before the first pass, one after each */
@@ -263,20 +280,35 @@ static hbil_vk_result hbil_vk__check_info(hbil_vk *ctx, const hbil_vk_info *info
     return HBIL_VK_OK;
 }
 
+/* Written ones are 2D or 2D_ARRAY; of inputs only the view is used, so any dim is fine. */
+static hbil_vk_result hbil_vk__check_texture(hbil_vk *ctx, const hbil_texture *tex, VkPhysicalDevice physical_device)
+{
+    const VkFormatFeatureFlags need = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+    HBIL_VK__ZEROED(VkFormatProperties, format);
+    if (tex->mips != 1 || tex->copies < 1 || tex->copies > HBIL_VK__COPIES)
+        return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "texture %s has %u mips and %u copies: this backend does 1 and 1 or %d",
+                             tex->name, tex->mips, tex->copies, HBIL_VK__COPIES);
+    if ((tex->dim != HBIL_DIM_2D && tex->dim != HBIL_DIM_2D_ARRAY) || tex->layers < 1 ||
+        (tex->dim == HBIL_DIM_2D && tex->layers != 1))
+        return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "texture %s has dim %u and %u layers: only inputs may be other than 2D of one "
+                             "layer or 2D_ARRAY", tex->name, tex->dim, tex->layers);
+    if (tex->layers > ctx->max_layers)
+        return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "texture %s has %u layers, the device allows %u", tex->name, tex->layers,
+                             ctx->max_layers);
+    ctx->fn.GetPhysicalDeviceFormatProperties(physical_device, hbil_vk_format((hbil_format)tex->format), &format);
+    if ((format.optimalTilingFeatures & need) != need)
+        return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "device has no sampled storage images of format %s: change the options "
+                             "that ask for texture %s", hbil_format_name((hbil_format)tex->format), tex->name);
+    return HBIL_VK_OK;
+}
+
 static hbil_vk_result hbil_vk__check_textures(hbil_vk *ctx, VkPhysicalDevice physical_device)
 {
     for (uint32_t t = 0; t < ctx->plan.texture_count; ++t) {
         const hbil_texture *tex = &ctx->plan.textures[t];
         if (tex->life == HBIL_LIFE_INPUT) continue; /* any format: what you sample from is yours */
-        if (tex->mips != 1 || tex->copies < 1 || tex->copies > HBIL_VK__COPIES)
-            return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "texture %s has %u mips and %u copies: this backend does 1 and 1 or %d",
-                                 tex->name, tex->mips, tex->copies, HBIL_VK__COPIES);
-        const VkFormatFeatureFlags need = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
-        HBIL_VK__ZEROED(VkFormatProperties, format);
-        ctx->fn.GetPhysicalDeviceFormatProperties(physical_device, hbil_vk_format((hbil_format)tex->format), &format);
-        if ((format.optimalTilingFeatures & need) != need)
-            return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "device has no sampled storage images of format %s: change the options "
-                                 "that ask for texture %s", hbil_format_name((hbil_format)tex->format), tex->name);
+        const hbil_vk_result result = hbil_vk__check_texture(ctx, tex, physical_device);
+        if (result != HBIL_VK_OK) return result;
         if (tex->copies > ctx->phases) ctx->phases = tex->copies;
     }
     return HBIL_VK_OK;
@@ -318,6 +350,7 @@ static hbil_vk_result hbil_vk__check_device(hbil_vk *ctx, const hbil_vk_info *in
     ctx->tick_mask = bits >= 64 ? ~(uint64_t)0 : ((uint64_t)1 << bits) - 1;
     ctx->tick_ms = (double)device.limits.timestampPeriod * 1e-6;
     ctx->max_extent = device.limits.maxImageDimension2D;
+    ctx->max_layers = device.limits.maxImageArrayLayers;
     const hbil_vk_result result = hbil_vk__check_passes(ctx, &device.limits);
     return result != HBIL_VK_OK ? result : hbil_vk__check_textures(ctx, info->physical_device);
 }
@@ -344,7 +377,10 @@ static hbil_vk_result hbil_vk__allocate(hbil_vk *ctx, VkDeviceSize size, uint32_
 static hbil_vk_result hbil_vk__make_common(hbil_vk *ctx, int timestamps)
 {
     HBIL_VK__STRUCT(VkSamplerCreateInfo, sampler, SAMPLER_CREATE_INFO); /* zero: nearest; only texelFetch uses it */
-    HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->sampler));
+    HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[0]));
+    sampler.minFilter = sampler.magFilter = VK_FILTER_LINEAR; /* maxLod 0: level 0 */
+    sampler.addressModeU = sampler.addressModeV = sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[1]));
     if (timestamps) {
         HBIL_VK__STRUCT(VkQueryPoolCreateInfo, queries, QUERY_POOL_CREATE_INFO);
         queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
@@ -390,8 +426,9 @@ static hbil_vk_result hbil_vk__make_layouts(hbil_vk *ctx, uint32_t p)
     }
     HBIL_VK__TRY(ctx, CreateDescriptorSetLayout, (ctx->device, &set, ctx->allocator, &ctx->set_layouts[p]));
     HBIL_VK__STRUCT(VkPipelineLayoutCreateInfo, layout, PIPELINE_LAYOUT_CREATE_INFO);
-    layout.setLayoutCount = 1;
-    layout.pSetLayouts = &ctx->set_layouts[p];
+    const VkDescriptorSetLayout sets[2] = { ctx->set_layouts[p], ctx->hook_layout };
+    layout.setLayoutCount = pass->hook && ctx->hook_layout != VK_NULL_HANDLE ? 2 : 1;
+    layout.pSetLayouts = sets;
     HBIL_VK__TRY(ctx, CreatePipelineLayout, (ctx->device, &layout, ctx->allocator, &ctx->layouts[p]));
     return HBIL_VK_OK;
 }
@@ -464,7 +501,7 @@ static uint32_t hbil_vk__copies(const hbil_vk *ctx, uint32_t t)
 
 static VkImageSubresourceRange hbil_vk__whole(void)
 {
-    const VkImageSubresourceRange whole = { VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1 };
+    const VkImageSubresourceRange whole = { VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS };
     return whole;
 }
 
@@ -480,7 +517,7 @@ static hbil_vk_result hbil_vk__make_image(hbil_vk *ctx, uint32_t t, uint32_t wid
     image.extent.height = extent[1];
     image.extent.depth = 1;
     image.mipLevels = 1;
-    image.arrayLayers = 1;
+    image.arrayLayers = tex->layers;
     image.samples = VK_SAMPLE_COUNT_1_BIT;
     image.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
     if (tex->life == HBIL_LIFE_HISTORY) image.usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT; /* cleared once */
@@ -492,7 +529,7 @@ static hbil_vk_result hbil_vk__make_view(hbil_vk *ctx, uint32_t t, VkImage image
 {
     HBIL_VK__STRUCT(VkImageViewCreateInfo, view, IMAGE_VIEW_CREATE_INFO);
     view.image = image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view.viewType = ctx->plan.textures[t].dim == HBIL_DIM_2D_ARRAY ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = hbil_vk_format((hbil_format)ctx->plan.textures[t].format);
     view.subresourceRange = hbil_vk__whole();
     HBIL_VK__TRY(ctx, CreateImageView, (ctx->device, &view, ctx->allocator, out));
@@ -550,7 +587,8 @@ static void hbil_vk__drop(hbil_vk *ctx)
     ctx->fn.DestroyQueryPool(ctx->device, ctx->queries, ctx->allocator);
     ctx->fn.DestroyBuffer(ctx->device, ctx->constants, ctx->allocator);
     ctx->fn.FreeMemory(ctx->device, ctx->constants_memory, ctx->allocator);
-    ctx->fn.DestroySampler(ctx->device, ctx->sampler, ctx->allocator);
+    ctx->fn.DestroySampler(ctx->device, ctx->samplers[0], ctx->allocator);
+    ctx->fn.DestroySampler(ctx->device, ctx->samplers[1], ctx->allocator);
 }
 
 static hbil_vk_result hbil_vk__check_size(hbil_vk *ctx, uint32_t width, uint32_t height,
@@ -575,6 +613,8 @@ static hbil_vk_result hbil_vk__check_size(hbil_vk *ctx, uint32_t width, uint32_t
     return HBIL_VK_OK;
 }
 
+static int hbil_vk__filtered(const hbil_texture *tex) { return tex->dim == HBIL_DIM_CUBE || tex->dim == HBIL_DIM_3D; }
+
 static void hbil_vk__write_set(hbil_vk *ctx, uint32_t p, uint32_t phase, const VkImageView views[HBIL_MAX_TEXTURES])
 {
     const hbil_pass *pass = &ctx->plan.passes[p];
@@ -585,7 +625,7 @@ static void hbil_vk__write_set(hbil_vk *ctx, uint32_t p, uint32_t phase, const V
     for (uint32_t b = 0; b < pass->binding_count; ++b) {
         const hbil_binding *binding = &pass->bindings[b];
         const uint32_t t = binding->texture, copies = hbil_vk__copies(ctx, t);
-        images[b].sampler = ctx->sampler;
+        images[b].sampler = ctx->samplers[hbil_vk__filtered(&ctx->plan.textures[t])];
         images[b].imageView = copies > 0 ? ctx->views[t][(phase % copies + copies - binding->age) % copies] : views[t];
         images[b].imageLayout = ctx->plan.textures[t].life == HBIL_LIFE_INPUT ? ctx->input_layout : VK_IMAGE_LAYOUT_GENERAL;
         writes[b].dstBinding = binding->slot;
@@ -623,6 +663,8 @@ static hbil_vk_result hbil_vk__prepare(hbil_vk *ctx, const hbil_frame *frame, hb
     if (ctx->width == 0 || width != ctx->width || height != ctx->height)
         return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "frame is %ux%u, the images are %ux%u: call hbil_vk_resize", width, height,
                              ctx->width, ctx->height);
+    if (ctx->hook_layout != VK_NULL_HANDLE && ctx->hook_set == VK_NULL_HANDLE)
+        return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "hook_layout was given, but hbil_vk.hook_set is null: set it before you record");
     hbil_result result = hbil_pack_constants(&ctx->plan, frame, out->constants, sizeof out->constants, NULL, &diags);
     if (result == HBIL_OK) result = hbil_plan_frame(&ctx->plan, frame, out->grid);
     if (result == HBIL_OK) return HBIL_VK_OK;
@@ -712,7 +754,9 @@ static void hbil_vk__pass(hbil_vk *ctx, VkCommandBuffer cmd, uint32_t p, uint32_
     if (labels) ctx->fn.CmdBeginDebugUtilsLabelEXT(cmd, &label);
     hbil_vk__pass_barrier(ctx, cmd, pass);
     ctx->fn.CmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, ctx->pipelines[p]);
-    ctx->fn.CmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, ctx->layouts[p], 0, 1, &ctx->sets[p][phase], 0, NULL);
+    const VkDescriptorSet sets[2] = { ctx->sets[p][phase], ctx->hook_set };
+    ctx->fn.CmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, ctx->layouts[p], 0,
+                                  pass->hook && ctx->hook_layout != VK_NULL_HANDLE ? 2 : 1, sets, 0, NULL);
     ctx->fn.CmdDispatch(cmd, groups[0], groups[1], groups[2]);
     if (ctx->queries != VK_NULL_HANDLE)
         ctx->fn.CmdWriteTimestamp(cmd, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, ctx->queries, p + 1);
@@ -752,6 +796,8 @@ hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx)
     ctx->plan = *info->plan;
     ctx->phases = 1;
     ctx->allocator = info->allocator;
+    for (uint32_t p = 0; p < ctx->plan.pass_count; ++p)
+        if (ctx->plan.passes[p].hook) ctx->hook_layout = info->hook_layout;
     ctx->input_layout = info->input_layout != VK_IMAGE_LAYOUT_UNDEFINED ? info->input_layout : VK_IMAGE_LAYOUT_GENERAL;
     result = hbil_vk__load(ctx, info);
     if (result == HBIL_VK_OK) result = hbil_vk__check_device(ctx, info);

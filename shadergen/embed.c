@@ -25,7 +25,10 @@ typedef struct row { const char *kind, *name, *def, *min, *max, *unit, *choices,
 #define SET(n, d, c, a, m, s)             { "SET", #n, d, "", "", "", c, "BAKED", a, m, s },
 #define INT(n, d, lo, hi, u, st, a, m, s)   { "INT", #n, #d, #lo, #hi, u, "", #st, a, m, s },
 #define FLOAT(n, d, lo, hi, u, st, a, m, s) { "FLOAT", #n, #d, #lo, #hi, u, "", #st, a, m, s },
-#define PRESET(n, c, m)
+#define SYMBOL(n, e, m)
+#define REFUSE(e, w, f)
+#define PRESET(n, m)
+#define VALUE(p, v, s)
 static row options[64] = {
 #include "options.def"
 };
@@ -33,25 +36,28 @@ static row options[64] = {
 #undef SET
 #undef INT
 #undef FLOAT
+#undef SYMBOL
+#undef REFUSE
 #undef PRESET
+#undef VALUE
 
-typedef struct preset { const char *name, *config, *meaning; } preset;
+/* Rows of the other kinds of both files, in order. */
+typedef struct fact { const char *kind, *a, *b, *c, *d, *e, *f; } fact;
 #define CHOICE(n, d, c, a, m, s)
 #define SET(n, d, c, a, m, s)
 #define INT(n, d, lo, hi, u, st, a, m, s)
 #define FLOAT(n, d, lo, hi, u, st, a, m, s)
-#define PRESET(n, c, m) { #n, c, m },
-static const preset presets[] = {
-#include "options.def"
-};
-
-typedef struct fact { const char *kind, *a, *b, *c, *d, *e, *f; } fact;
+#define SYMBOL(n, e, m)           { "SYMBOL", #n, e, m, "", "", "" },
+#define REFUSE(e, w, f)           { "REFUSE", e, w, f, "", "", "" },
+#define PRESET(n, m)              { "PRESET", #n, m, "", "", "", "" },
+#define VALUE(p, v, s)            { "VALUE", #p, v, s, "", "", "" },
 #define FORMAT(n, q, b)           { "FORMAT", #n, q, #b, "", "", "" },
-#define TEXTURE(n, l, f, w, m)    { "TEXTURE", #n, #l, #f, w, m, "" },
+#define TEXTURE(n, l, f, d, w, m) { "TEXTURE", #n, #l, #f, #d, w, m },
 #define PASS(n, x, d, gx, gy, m)  { "PASS", #n, x, #d, #gx, #gy, m },
-#define BIND(p, t, a)             { "BIND", #p, #t, #a, "", "", "" },
+#define BIND(p, t, a, w)          { "BIND", #p, #t, #a, w, "", "" },
 #define UNIFORM(t, n, m)          { "UNIFORM", #t, #n, m, "", "", "" },
 static const fact facts[] = {
+#include "options.def"
 #include "passes.def"
 };
 
@@ -168,6 +174,8 @@ static int word_index(const char *words, const char *word)
 }
 
 /* Range and default as people read them: "[1, 64], default 3" or "{vulkan, gl}, default vulkan" */
+static int is_symbol(const char *s, size_t len);
+
 static const char *range_of(const row *r, char out[512])
 {
     char w[64];
@@ -188,6 +196,31 @@ static const char *doc_of(const row *r, char out[1024])
     snprintf(out, 1024, "%s. %s%s%s, default %s. %s. source: %s", r->meaning, r->unit, *r->unit ? ", " : "",
              range_of(r, range), r->def, strcmp(r->stage, "EITHER") == 0 ? "baked or dynamic" : "baked", r->source);
     return out;
+}
+
+/* Words in #if expressions of the tables: all must be symbols. */
+static void check_expression(const char *what, const char *e)
+{
+    size_t n;
+    for (; *e; e += n) {
+        for (n = 0; isalnum((unsigned char)e[n]) || e[n] == '_'; ++n) { }
+        if (n > 1 && !is_symbol(e, n)) die(SOURCE, "%s: unknown symbol %.*s", what, (int)n, e);
+        if (n == 0) n = 1;
+    }
+}
+
+static void check_expressions(void)
+{
+    const row *r;
+    size_t i;
+    for (r = options; r->name; ++r) check_expression(r->name, r->applies);
+    for (i = 0; i < COUNT(facts); ++i) {
+        const fact *f = &facts[i];
+        if (strcmp(f->kind, "SYMBOL") == 0 || strcmp(f->kind, "PASS") == 0) check_expression(f->a, f->b);
+        if (strcmp(f->kind, "REFUSE") == 0) check_expression(f->b, f->a);
+        if (strcmp(f->kind, "TEXTURE") == 0) check_expression(f->a, f->e);
+        if (strcmp(f->kind, "BIND") == 0) check_expression(f->b, f->d);
+    }
 }
 
 static void gen_enums(text *t)
@@ -225,6 +258,27 @@ static void gen_config(text *t)
     }
 }
 
+/* Each preset with its config text, and where each value comes from. */
+static void gen_presets(text *t)
+{
+    size_t i, k;
+    put(t, "static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {\n");
+    for (i = 0; i < COUNT(facts); ++i) {
+        int values = 0;
+        if (strcmp(facts[i].kind, "PRESET")) continue;
+        put(t, "    { \"%s\", \"%s\",\n      \"", facts[i].a, facts[i].b);
+        for (k = 0; k < COUNT(facts); ++k)
+            if (strcmp(facts[k].kind, "VALUE") == 0 && strcmp(facts[k].a, facts[i].a) == 0)
+                put(t, "%s%s", values++ ? " " : "", facts[k].b);
+        put(t, "\",");
+        for (k = 0; k < COUNT(facts); ++k)
+            if (strcmp(facts[k].kind, "VALUE") == 0 && strcmp(facts[k].a, facts[i].a) == 0)
+                put(t, "\n      \"%s: %s\\n\"", facts[k].b, facts[k].c);
+        put(t, "%s },\n", values ? "" : " \"\"");
+    }
+    put(t, "};\n");
+}
+
 static void gen_options(text *t)
 {
     const row *r;
@@ -257,11 +311,17 @@ static void gen_options(text *t)
         else put(t, "0, ");
         put(t, "(uint32_t)offsetof(hbil_config, %s), %s, %s, %s },\n", r->name, min, max, def);
     }
-    put(t, "};\nstatic const struct { const char *name, *config, *meaning; } hbil__presets[] = {\n");
-    for (i = 0; i < COUNT(presets); ++i)
-        put(t, "    { \"%s\", \"%s\", \"%s\" },\n", presets[i].name, presets[i].config, presets[i].meaning);
     put(t, "};\n");
     if (bit > 32) die(SOURCE, "options.def: more than 32 options are EITHER");
+    put(t, "static const struct { const char *name, *expression; } hbil__symbols[] = {\n");
+    for (i = 0; i < COUNT(facts); ++i)
+        if (strcmp(facts[i].kind, "SYMBOL") == 0) put(t, "    { \"%s\", \"%s\" }, /* %s */\n", facts[i].a, facts[i].b, facts[i].c);
+    put(t, "};\nstatic const struct { const char *expression, *why, *fix; } hbil__refused[] = {\n");
+    for (i = 0; i < COUNT(facts); ++i)
+        if (strcmp(facts[i].kind, "REFUSE") == 0)
+            put(t, "    { \"%s\",\n      \"%s\", \"%s\" },\n", facts[i].a, facts[i].b, facts[i].c);
+    put(t, "};\n");
+    gen_presets(t);
 }
 
 /* ---------------------------------------------------------------------- pass regions */
@@ -283,9 +343,9 @@ static void gen_passes(text *t)
 {
     static const struct { const char *kind, *head; } tables[] = {
         { "FORMAT", "static const struct { const char *layout; uint32_t bytes; } hbil__formats[]" },
-        { "TEXTURE", "static const struct { const char *name; uint16_t life, format; const char *wanted, *meaning; } hbil__textures[]" },
+        { "TEXTURE", "static const struct { const char *name; uint16_t life, format, dim; const char *wanted, *meaning; } hbil__textures[]" },
         { "PASS", "static const struct { const char *name, *exists; uint16_t domain, group[2]; const char *meaning; } hbil__passes[]" },
-        { "BIND", "static const struct { uint16_t pass, texture, access; } hbil__binds[]" },
+        { "BIND", "static const struct { uint16_t pass, texture, access; const char *when; } hbil__binds[]" },
         { "UNIFORM", "static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[]" } };
     size_t k, i;
     for (k = 0; k < COUNT(tables); ++k) {
@@ -294,11 +354,12 @@ static void gen_passes(text *t)
             const fact *f = &facts[i];
             if (strcmp(f->kind, tables[k].kind)) continue;
             if (k == 0) put(t, "    { \"%s\", %s },\n", f->b, f->c);
-            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, \"%s\",\n      \"%s\" },\n", f->a, f->b, f->c, f->d, f->e);
+            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, \"%s\",\n      \"%s\" },\n", f->a, f->b, f->c,
+                            f->d, f->e, f->f);
             if (k == 2) put(t, "    { \"%s\", \"%s\", %d, { %s, %s },\n      \"%s\" },\n", f->a, f->b,
                             fact_index("TEXTURE", f->c), f->d, f->e, f->f);
-            if (k == 3) put(t, "    { %d, %d, HBIL_ACCESS_%s }, /* %s %s */\n", fact_index("PASS", f->a),
-                            fact_index("TEXTURE", f->b), f->c, f->a, f->b);
+            if (k == 3) put(t, "    { %d, %d, HBIL_ACCESS_%s, \"%s\" }, /* %s %s */\n", fact_index("PASS", f->a),
+                            fact_index("TEXTURE", f->b), f->c, f->d, f->a, f->b);
             if (k == 4) put(t, "    { HBIL_TYPE_%s, \"%s\", \"%s\",\n      \"%s\" },\n", upper(f->a), f->a, f->b, f->c);
         }
         put(t, "};\n");
@@ -311,23 +372,36 @@ typedef struct chunk { char name[64]; char file[32]; const char *body; size_t si
 static chunk chunks[256];
 static int   chunk_count;
 
-static const char *const files_first = "common"; /* then one file per pass, in plan order */
+/* Chunks that any pass may use; then one file per pass, in plan order. */
+static const char *const shared_files[] = { "common", "environment", "slice", "horizon", "bitmask", "hbao" };
 
+static int is_shared(const char *file)
+{
+    size_t i;
+    for (i = 0; i < COUNT(shared_files); ++i)
+        if (strcmp(shared_files[i], file) == 0) return 1;
+    return 0;
+}
+
+/* Can a line of `file` name that chunk? */
 static int chunk_find(const char *file, const char *name, size_t len)
 {
     int i;
     for (i = 0; i < chunk_count; ++i)
         if (strlen(chunks[i].name) == len && memcmp(chunks[i].name, name, len) == 0 &&
-            (strcmp(chunks[i].file, file) == 0 || strcmp(chunks[i].file, files_first) == 0)) return i;
+            (strcmp(chunks[i].file, file) == 0 || is_shared(chunks[i].file))) return i;
     return -1;
 }
 
-/* HBIL_<OPTION>_<CHOICE or whole number>? */
+/* HBIL_<OPTION>_<CHOICE or whole number>, or HBIL_<SYMBOL>? */
 static int is_symbol(const char *s, size_t len)
 {
     const row *r;
     char w[64], full[160];
+    size_t k;
     int i;
+    for (k = 0; k < COUNT(facts); ++k)
+        if (strcmp(facts[k].kind, "SYMBOL") == 0 && strlen(facts[k].a) + 5 == len && memcmp(facts[k].a, s + 5, len - 5) == 0) return 1;
     for (r = options; r->name; ++r) {
         size_t n = (size_t)snprintf(full, sizeof full, "HBIL_%s_", upper(r->name));
         if (len <= n || memcmp(full, s, n)) continue;
@@ -349,8 +423,8 @@ static int is_name(const char *s, size_t len)
     return 0;
 }
 
-/* Every hbil_ or HBIL_ word of a line must be known: a symbol in #if, else a chunk of this file or of common.glsl,
- * a constant or a uniform. */
+/* Every hbil_ or HBIL_ word of a line must be known: a symbol in #if, else a chunk of this file or of a shared one,
+ * a constant or a uniform. hbil_far_hook is the engine's. */
 static void check_words(const char *file, int line, const char *s, size_t len)
 {
     int directive = s[strspn(s, " ")] == '#';
@@ -361,7 +435,8 @@ static void check_words(const char *file, int line, const char *s, size_t len)
         if (!isalpha((unsigned char)s[i]) && s[i] != '_') { ++i; continue; }
         for (n = 0; i + n < len && (isalnum((unsigned char)s[i + n]) || s[i + n] == '_'); ++n) { }
         if (n > 5 && (memcmp(s + i, "hbil_", 5) == 0 || memcmp(s + i, "HBIL_", 5) == 0)) {
-            int ok = directive ? is_symbol(s + i, n) : chunk_find(file, s + i, n) >= 0 || is_name(s + i, n);
+            int ok = directive ? is_symbol(s + i, n) : chunk_find(file, s + i, n) >= 0 || is_name(s + i, n) ||
+                (n == 13 && memcmp(s + i, "hbil_far_hook", n) == 0);
             if (!ok) die(SOURCE, "%s.glsl:%d: unknown name %.*s", file, line, (int)n, s + i);
         }
         i += n;
@@ -427,7 +502,7 @@ static void load_all_glsl(const char *root)
 {
     size_t i;
     int c;
-    load_glsl(root, files_first);
+    for (i = 0; i < COUNT(shared_files); ++i) load_glsl(root, shared_files[i]);
     for (i = 0; i < COUNT(facts); ++i)
         if (strcmp(facts[i].kind, "PASS") == 0) load_glsl(root, facts[i].a);
     for (c = 0; c < chunk_count; ++c) {
@@ -469,12 +544,30 @@ static void gen_readme_options(text *t)
             strcmp(r->stage, "EITHER") == 0 ? "either" : "baked");
 }
 
+/* Is "option=value" the option's default? */
+static int is_default(const char *value)
+{
+    const row *r;
+    size_t n = strcspn(value, "=");
+    for (r = options; r->name; ++r)
+        if (strlen(r->name) == n && memcmp(r->name, value, n) == 0) return strcmp(r->def, value + n + 1) == 0;
+    die(SOURCE, "options.def: preset with unknown option: %s", value);
+    return 0;
+}
+
 static void gen_readme_presets(text *t)
 {
-    size_t i;
-    put(t, "| preset | config | for |\n|---|---|---|\n");
-    for (i = 0; i < COUNT(presets); ++i)
-        put(t, "| `%s` | `%s` | %s |\n", presets[i].name, *presets[i].config ? presets[i].config : "{0}", presets[i].meaning);
+    size_t i, k;
+    put(t, "| preset | for | values |\n|---|---|---|\n");
+    for (i = 0; i < COUNT(facts); ++i) {
+        int values = 0;
+        if (strcmp(facts[i].kind, "PRESET")) continue;
+        put(t, "| `%s` | %s | ", facts[i].a, facts[i].b);
+        for (k = 0; k < COUNT(facts); ++k)
+            if (strcmp(facts[k].kind, "VALUE") == 0 && strcmp(facts[k].a, facts[i].a) == 0 && !is_default(facts[k].b))
+                put(t, "%s`%s`", values++ ? " " : "", facts[k].b);
+        put(t, values ? " |\n" : "`{0}` |\n");
+    }
 }
 
 /* ---------------------------------------------------------------------- splice */
@@ -553,6 +646,7 @@ int main(int argc, char **argv)
     if (!root) root = ".";
     if (option_count() + 1 >= (int)COUNT(options)) die(SOURCE, "options.def: too many options");
     add_dynamic_row();
+    check_expressions();
     load_all_glsl(root);
     for (f = 0; f < COUNT(targets); ++f) {
         size_t size;

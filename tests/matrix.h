@@ -10,7 +10,15 @@
 #define MATRIX_VALUES  24
 #define MATRIX_ROWS    512
 
-typedef char matrix_text[48];
+typedef char matrix_text[128];
+
+/* Contexts in which options that need another one are alive. */
+static const char *const matrix_contexts[] = { "", "reach=2", "depth=device", "projection=orthographic", "width=64 height=64",
+    "outputs=far environment=sh", "outputs=far environment=sh far_visibility=cone", "outputs=far environment=sh estimator=bitmask",
+    "outputs=far environment=sh estimator=bitmask far_visibility=free_bits", "outputs=far environment=cube far_visibility=ao",
+    "outputs=cone", "outputs=ao+multi_bounce", "outputs=specular_occlusion", "outputs=specular_occlusion roughness=0.3",
+    "outputs=ao estimator=hbao reach=2", "outputs=ao estimator=hbao_plus", "occluder=thick estimator=bitmask", "occluder=heuristic",
+    "multisample=yes", "reach=2 firefly=5 outputs=near+specular_occlusion roughness=0.3" };
 
 /* Legal values of an option as text: choices; members, all, none; ends, default and whole numbers with text of their own. */
 static inline int matrix_values(int32_t option, matrix_text out[MATRIX_VALUES])
@@ -44,11 +52,27 @@ static inline int matrix_values(int32_t option, matrix_text out[MATRIX_VALUES])
     return n;
 }
 
-/* Combinations that the library refuses by design are moved to the nearest legal ones. */
+/* Combinations that the library refuses by design are moved to legal ones, by the fixes that its errors name. */
 static inline void matrix_repair(hbil_config *c)
 {
+    hbil_diag items[16];
+    int round, i;
     if (!c->width != !c->height) c->width = c->height = c->width ? c->width : c->height;
-    if (c->reach == 0) c->dynamic &= ~(uint32_t)HBIL_DYNAMIC_REACH;
+    if (c->reach == 0) c->dynamic &= ~(uint32_t)HBIL_DYNAMIC_REACH; /* 0 stands for a shader without it */
+    if (c->firefly == 0) c->dynamic &= ~(uint32_t)HBIL_DYNAMIC_FIREFLY;
+    if (c->roughness == 0) c->dynamic &= ~(uint32_t)HBIL_DYNAMIC_ROUGHNESS;
+    for (round = 0; round < 16; ++round) {
+        hbil_diags diags = { items, 16, 0 };
+        hbil_config resolved;
+        if (hbil_config_resolve(c, &resolved, &diags) == HBIL_OK) return;
+        for (i = 0; i < diags.count && i < diags.capacity; ++i) {
+            const char *fix = strstr(items[i].text, "; set ");
+            if (items[i].severity != HBIL_ERROR) continue;
+            assert_non_null(fix);
+            assert_int_equal(hbil_config_parse(c, fix + 6, strlen(fix + 6), NULL), HBIL_OK);
+            break;
+        }
+    }
 }
 
 typedef struct matrix_state {
@@ -106,6 +130,33 @@ static inline int matrix_pairwise(hbil_config out[MATRIX_ROWS])
         }
         matrix_repair(c);
     }
+    return n;
+}
+
+/* Every value of every option in every context: what pairs alone do not reach. Returns their number; configs that are equal once
+ * resolved are given once. */
+static inline int matrix_in_contexts(hbil_config *out, int most)
+{
+    size_t k;
+    int32_t i;
+    int n = 0, v, j;
+    for (k = 0; k < sizeof matrix_contexts / sizeof matrix_contexts[0]; ++k)
+        for (i = 0; i < hbil_option_count(); ++i) {
+            matrix_text values[MATRIX_VALUES];
+            int count = matrix_values(i, values);
+            for (v = 0; v < count; ++v) {
+                hbil_config c, resolved;
+                memset(&c, 0, sizeof c);
+                hbil_config_parse(&c, matrix_contexts[k], strlen(matrix_contexts[k]), NULL);
+                hbil_config_set(&c, hbil_option_at(i)->name, values[v], NULL);
+                matrix_repair(&c);
+                if (hbil_config_resolve(&c, &resolved, NULL) != HBIL_OK) continue;
+                for (j = 0; j < n && memcmp(&out[j], &resolved, sizeof resolved); ++j) { }
+                assert_true(j < most);
+                out[j] = resolved;
+                n += j == n;
+            }
+        }
     return n;
 }
 

@@ -25,6 +25,8 @@ static inline hbil_frame test_frame(const hbil_config *c, uint32_t width, uint32
     f.width = width;
     f.height = height;
     f.view[0] = f.view[5] = f.view[10] = f.view[15] = 1;
+    f.far_color[0] = f.far_color[1] = f.far_color[2] = f.far_sh[0][0] = 1;
+    f.probe_step[0] = f.probe_step[1] = f.probe_step[2] = 1;
     f.projection[0] = (float)height / (float)width;
     f.projection[5] = -1;
     if (c->projection == HBIL_PROJECTION_ORTHOGRAPHIC) { /* ndc = a z + b, z = -depth */

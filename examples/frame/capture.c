@@ -1,13 +1,13 @@
 /* capture.c - read a frame (EXR) and its camera (JSON), and check that they make sense. */
 #include "capture.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include <cJSON.h>
+#include "json.h"
 
 #define CAMERA_BYTES_MAX (1 << 20)
 #define TOLERANCE 1e-4 /* of entries that must be 0 or 1: float files of other programs round at about 1e-6 */
@@ -21,6 +21,13 @@ void capture_free(capture *cap)
     image_free(&cap->emission);
     image_free(&cap->truth_ao);
     image_free(&cap->truth_near);
+    image_free(&cap->truth_far);
+    image_free(&cap->truth_bounce);
+    image_free(&cap->f0);
+    image_free(&cap->roughness);
+    image_free(&cap->hf_valid);
+    image_free(&cap->hf_ao);
+    image_free(&cap->hf_near);
     memset(cap, 0, sizeof *cap);
 }
 
@@ -29,43 +36,6 @@ typedef struct camera {
     double width, height, near_z, far_z;
     double projection[4][4], view[4][4];
 } camera;
-
-/* The whole file, terminated; caller frees. NULL: error[] says why. */
-static char *read_text(const char *path, char *error, size_t error_size)
-{
-    FILE  *file = fopen(path, "rb");
-    char  *text = malloc(CAMERA_BYTES_MAX + 1);
-    size_t size;
-
-    if (!file || !text) {
-        frame_error(error, error_size, "%s: cannot be opened (%s). Check the path", path, strerror(file ? ENOMEM : errno));
-        if (file) fclose(file);
-        free(text);
-        return NULL;
-    }
-    size = fread(text, 1, CAMERA_BYTES_MAX + 1, file);
-    if (ferror(file) || size > CAMERA_BYTES_MAX) {
-        frame_error(error, error_size, "%s: cannot be read as a camera file of at most %d bytes. Give the camera's JSON", path,
-                    CAMERA_BYTES_MAX);
-        free(text);
-        text = NULL;
-    } else {
-        text[size] = 0;
-    }
-    fclose(file);
-    return text;
-}
-
-static int get_number(const cJSON *root, const char *name, double *out, const char *path, char *error, size_t error_size)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, name);
-
-    if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble))
-        return frame_error(error, error_size, "%s: \"%s\" is %s. It must be a finite number", path, name,
-                           item ? "not one" : "missing");
-    *out = item->valuedouble;
-    return 1;
-}
 
 static int get_matrix(const cJSON *root, const char *name, double out[4][4], const char *path, char *error, size_t error_size)
 {
@@ -93,26 +63,16 @@ static int get_matrix(const cJSON *root, const char *name, double out[4][4], con
 
 static int read_camera(const char *path, camera *cam, char *error, size_t error_size)
 {
-    char  *text = read_text(path, error, error_size);
-    cJSON *root;
+    cJSON *root = json_read(path, CAMERA_BYTES_MAX, "the camera's JSON", error, error_size);
     int    ok;
 
-    if (!text) return 0;
-    root = cJSON_ParseWithOpts(text, NULL, 1); /* nothing may follow the object */
-    if (!root) { /* the parser points to the fault: say its line */
-        const char *at = cJSON_GetErrorPtr(), *p;
-        int line = 1;
-        for (p = text; at && p < at; p++) line += *p == '\n';
-        frame_error(error, error_size, "%s: is not valid JSON (line %d). Mend it, or export the camera again", path, line);
-    }
-    ok = root && get_number(root, "width", &cam->width, path, error, error_size)
-              && get_number(root, "height", &cam->height, path, error, error_size)
-              && get_number(root, "near", &cam->near_z, path, error, error_size)
-              && get_number(root, "far", &cam->far_z, path, error, error_size)
+    ok = root && json_number(root, "width", &cam->width, path, error, error_size)
+              && json_number(root, "height", &cam->height, path, error, error_size)
+              && json_number(root, "near", &cam->near_z, path, error, error_size)
+              && json_number(root, "far", &cam->far_z, path, error, error_size)
               && get_matrix(root, "projection_rows", cam->projection, path, error, error_size)
               && get_matrix(root, "view_rows", cam->view, path, error, error_size);
     cJSON_Delete(root);
-    free(text);
     return ok;
 }
 
@@ -176,23 +136,52 @@ static int check_view(const camera *cam, const char *path, char *error, size_t e
 
 static int read_frame(capture *out, const char *path, char *error, size_t error_size)
 {
-    image_layer layers[] = {
-        {"depth", "Z", {0, 0, 0, NULL}, 1},      {"normal", "XYZ", {0, 0, 0, NULL}, 1},     {"albedo", "RGB", {0, 0, 0, NULL}, 1},
-        {"direct", "RGB", {0, 0, 0, NULL}, 1},   {"emission", "RGB", {0, 0, 0, NULL}, 0},   {"truth_ao", "Y", {0, 0, 0, NULL}, 0},
-        {"truth_near", "RGB", {0, 0, 0, NULL}, 0},
+    const struct { const char *layer, *channels; image *target; int required; } rows[] = {
+        {"depth", "Z", &out->depth, 1},           {"normal", "XYZ", &out->normal, 1},
+        {"albedo", "RGB", &out->albedo, 1},       {"direct", "RGB", &out->direct, 1},
+        {"emission", "RGB", &out->emission, 0},   {"roughness", "Y", &out->roughness, 0},
+        {"f0", "RGB", &out->f0, 0},               {"f0", "Y", &out->f0, 0},
+        {"truth_ao", "Y", &out->truth_ao, 0},     {"truth_near", "RGB", &out->truth_near, 0},
+        {"truth_far", "RGB", &out->truth_far, 0}, {"truth_bounce", "RGB", &out->truth_bounce, 0},
     };
+    enum { ROWS = sizeof rows / sizeof *rows };
+    image_layer layers[ROWS];
+    int         i;
 
-    if (!exr_read(path, layers, (int)(sizeof layers / sizeof *layers), error, error_size)) return 0;
-    out->depth = layers[0].pixels;
-    out->normal = layers[1].pixels;
-    out->albedo = layers[2].pixels;
-    out->direct = layers[3].pixels;
-    out->emission = layers[4].pixels;
-    out->truth_ao = layers[5].pixels;
-    out->truth_near = layers[6].pixels;
+    for (i = 0; i < ROWS; i++) {
+        layers[i].layer = rows[i].layer;
+        layers[i].channels = rows[i].channels;
+        layers[i].required = rows[i].required;
+    }
+    if (!exr_read(path, layers, ROWS, error, error_size)) return 0;
+    for (i = 0; i < ROWS; i++) {
+        if (rows[i].target->data) image_free(&layers[i].pixels); /* f0.Y beside f0.RGB */
+        else *rows[i].target = layers[i].pixels;
+    }
     out->width = out->depth.width;
     out->height = out->depth.height;
     return 1;
+}
+
+/* hf-NNN.exr beside frame-NNN.exr: the height-field truth, if there is such a file. */
+static int read_height_field(capture *out, const char *frame, char *error, size_t error_size)
+{
+    image_layer layers[] = {{"hf_valid", "Y", {0, 0, 0, NULL}, 1}, {"hf_ao", "Y", {0, 0, 0, NULL}, 1},
+                            {"hf_near", "RGB", {0, 0, 0, NULL}, 1}};
+    const char *slash = strrchr(frame, '/'), *name = slash ? slash + 1 : frame;
+    const int   folder = (int)(name - frame);
+    char        path[4096];
+
+    if (strncmp(name, "frame-", 6) != 0) return 1;
+    if (snprintf(path, sizeof path, "%.*shf-%s", folder, frame, name + 6) >= (int)sizeof path) return 1;
+    if (access(path, F_OK) != 0) return 1;
+    if (!exr_read(path, layers, 3, error, error_size)) return 0;
+    out->hf_valid = layers[0].pixels;
+    out->hf_ao = layers[1].pixels;
+    out->hf_near = layers[2].pixels;
+    if (out->hf_ao.width == out->width && out->hf_ao.height == out->height) return 1;
+    return frame_error(error, error_size, "%s: size %dx%d, the frame beside it is %dx%d. Remove it, or make it for that frame",
+                       path, out->hf_ao.width, out->hf_ao.height, out->width, out->height);
 }
 
 int capture_load(capture *out, const char *exr, const char *camera_json, char *error, size_t error_size)
@@ -203,7 +192,8 @@ int capture_load(capture *out, const char *exr, const char *camera_json, char *e
     memset(out, 0, sizeof *out);
     if (!read_camera(camera_json, &cam, error, error_size)
         || !check_projection(&cam, &out->orthographic, camera_json, error, error_size)
-        || !check_view(&cam, camera_json, error, error_size) || !read_frame(out, exr, error, error_size)) {
+        || !check_view(&cam, camera_json, error, error_size) || !read_frame(out, exr, error, error_size)
+        || !read_height_field(out, exr, error, error_size)) {
         capture_free(out);
         return 0;
     }

@@ -16,14 +16,22 @@ typedef struct capture {
     image normal;           /* 3: view space */
     image albedo, direct, emission;              /* 3 each; emission may be absent */
     image truth_ao;         /* 1: cosine visibility. The truth images may be absent */
-    image truth_near;       /* 3: E/pi */
+    image truth_near;       /* 3: E/pi of one bounce of direct */
+    image truth_far;        /* 3: E/pi of the captures' sky, through what is visible */
+    image truth_bounce;     /* 3: E/pi of all bounces */
+    image hf_valid, hf_ao, hf_near; /* 1, 1, 3: truth of the depth buffer as a solid height field, where hf_valid is 1 */
+    image f0;               /* 1 or 3: specular reflectance. It and roughness may be absent */
+    image roughness;        /* 1: perceptual */
+    int   emissive;         /* for capture_encode: 1: emission is added to the input radiance */
     int   misfit;           /* after a capture_load that failed: 1 if each file is sound but camera and frame do not fit */
 } capture;
 
-/* Read F.exr and its camera JSON. 1 on success; 0: error[] names the file, the fault and the fix. */
+/* Read F.exr and its camera JSON; with frame-X.exr also the height-field truth hf-X.exr, if there is one beside it.
+ * 1 on success; 0: error[] names the file, the fault and the fix. */
 int  capture_load(capture *out, const char *exr, const char *camera_json, char *error, size_t error_size);
-/* Built-in scene "cornell": G-buffer at pixel centres, direct light, truth_ao and truth_near traced with `rays` rays per pixel
- * (at most 65536) through the whole scene (0: no truth). Same arguments, same bytes. progress may be NULL; called with [0, 1]. */
+/* Built-in scenes: "cornell", the box with a lamp; "fence", thin bars and leaves under sun and sky. G-buffer at pixel centres,
+ * direct light, truth_ao, truth_near and truth_far traced with `rays` rays per pixel (at most 65536) through the whole scene
+ * (0: no truth). Same arguments, same bytes. progress may be NULL; called with [0, 1]. */
 int  capture_scene(capture *out, const char *name, int width, int height, int rays, void (*progress)(double),
                    char *error, size_t error_size);
 /* Names of the built-in scenes by index, NULL outside. */
@@ -31,8 +39,9 @@ const char *capture_scene_name(int index);
 void capture_free(capture *cap);
 
 /* The capture in the conventions that a resolved config asks for: depth linear or device, forward or reversed, finite or infinite far,
- * GL or Vulkan clip; normals in view or world space. Fills frame (size, projection, view) and one image per INPUT texture of
- * the plan, indexed by plan texture; other entries stay absent. Free each with image_free. */
+ * GL or Vulkan clip; normals in view or world space, in any encoding. Fills frame (size, projection, view) and one image per
+ * INPUT texture of the plan, indexed by plan texture; sky and probes are left to environment_encode, other entries stay absent.
+ * Free each with image_free. */
 int  capture_encode(const capture *cap, const hbil_plan *plan, hbil_frame *frame, image inputs[HBIL_MAX_TEXTURES],
                     char *error, size_t error_size);
 

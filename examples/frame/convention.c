@@ -1,6 +1,7 @@
 /* convention.c - a capture in the depth, clip and normal conventions of a config, as an engine would hand it over. */
 #include "capture.h"
 
+#include <math.h>
 #include <string.h>
 
 #define SKY_FROM 1e9f /* m; linear depth from which on a capture's pixel is sky */
@@ -57,27 +58,141 @@ static void encode_depth(const capture *cap, const hbil_config *config, depth_ro
 }
 
 /* View to world: the transpose of the rotation in view, which is column-major. */
-static void encode_normals(const capture *cap, image *out)
+static void to_world(const float m[16], const float n[3], float out[3])
 {
-    const size_t count = (size_t)cap->width * (size_t)cap->height;
-    const float *m = cap->view;
-    size_t       i;
-    int          c;
+    int c;
 
-    for (i = 0; i < count; i++) {
-        const float *n = cap->normal.data + 3 * i;
-        for (c = 0; c < 3; c++) out->data[3 * i + (size_t)c] = m[4 * c] * n[0] + m[4 * c + 1] * n[1] + m[4 * c + 2] * n[2];
+    for (c = 0; c < 3; c++) out[c] = m[4 * c] * n[0] + m[4 * c + 1] * n[1] + m[4 * c + 2] * n[2];
+}
+
+/* Octahedral map of a unit vector, +z in the middle, in [-1, 1] (Meyer 2010). The zero vector of a sky pixel is the middle. */
+static void fold(const float n[3], float out[2])
+{
+    const float l1 = fmaxf(fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]), 1e-20f), x = n[0] / l1, y = n[1] / l1;
+
+    out[0] = n[2] < 0.0f ? (1.0f - fabsf(y)) * (x < 0.0f ? -1.0f : 1.0f) : x;
+    out[1] = n[2] < 0.0f ? (1.0f - fabsf(x)) * (y < 0.0f ? -1.0f : 1.0f) : y;
+}
+
+/* 12 bits each of an octahedral map in three 8-bit channels: low bytes of x and y, then the high bits of x below those of y. */
+static void pack_888(const float o[2], float out[3])
+{
+    const unsigned x = (unsigned)(fminf(fmaxf(o[0] * 0.5f + 0.5f, 0.0f), 1.0f) * 4095.0f + 0.5f);
+    const unsigned y = (unsigned)(fminf(fmaxf(o[1] * 0.5f + 0.5f, 0.0f), 1.0f) * 4095.0f + 0.5f);
+
+    out[0] = (float)(x & 255u) / 255.0f;
+    out[1] = (float)(y & 255u) / 255.0f;
+    out[2] = (float)(x >> 8 | y >> 8 << 4) / 255.0f;
+}
+
+/* Channels that an encoding has. */
+static int normal_channels(int encoding)
+{
+    return encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL || encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM
+        || encoding == HBIL_NORMAL_ENCODING_XY || encoding == HBIL_NORMAL_ENCODING_XY_UNORM ? 2 : 3;
+}
+
+static void encode_normal(const float n[3], int encoding, float *out)
+{
+    const int unorm = encoding == HBIL_NORMAL_ENCODING_XYZ_UNORM || encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM
+                   || encoding == HBIL_NORMAL_ENCODING_XY_UNORM;
+    const int channels = normal_channels(encoding);
+    float     o[2];
+    int       c;
+
+    fold(n, o);
+    if (encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL_888) {
+        pack_888(o, out);
+    } else {
+        const int octahedral = encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL || encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM;
+        for (c = 0; c < channels; c++) out[c] = (octahedral ? o[c] : n[c]) * (unorm ? 0.5f : 1.0f) + (unorm ? 0.5f : 0.0f);
     }
 }
 
-/* The capture's image for an input of the plan, by the input's name; NULL: there is none. */
+static void encode_normals(const capture *cap, const hbil_config *config, image *out)
+{
+    const size_t count = (size_t)cap->width * (size_t)cap->height;
+    float        n[3];
+    size_t       i;
+
+    for (i = 0; i < count; i++) {
+        memcpy(n, cap->normal.data + 3 * i, sizeof n);
+        if (config->normals == HBIL_NORMALS_WORLD) to_world(cap->view, cap->normal.data + 3 * i, n);
+        encode_normal(n, config->normal_encoding, out->data + (size_t)out->channels * i);
+    }
+}
+
+/* Reflectance as the config reads it: of rgb one number by luminance (Rec. 709), of one number the same three times. */
+static void encode_f0(const image *source, image *out)
+{
+    const size_t count = (size_t)source->width * (size_t)source->height;
+    size_t       i;
+
+    for (i = 0; i < count; i++) {
+        const float *from = source->data + (size_t)source->channels * i;
+        float       *to = out->data + (size_t)out->channels * i;
+
+        if (out->channels == source->channels) memcpy(to, from, (size_t)out->channels * sizeof *to);
+        else if (out->channels == 1) to[0] = 0.2126f * from[0] + 0.7152f * from[1] + 0.0722f * from[2];
+        else to[0] = to[1] = to[2] = from[0];
+    }
+}
+
+static void add_emission(const capture *cap, image *out)
+{
+    const size_t count = 3 * (size_t)cap->width * (size_t)cap->height;
+    size_t       i;
+
+    for (i = 0; i < count; i++) out->data[i] += cap->emission.data[i];
+}
+
+/* The capture's image for an input of the plan, by the input's name; NULL: no capture has such a thing. */
 static const image *source_of(const capture *cap, const char *name)
 {
     if (strcmp(name, "depth") == 0) return &cap->depth;
     if (strcmp(name, "normal") == 0) return &cap->normal;
     if (strcmp(name, "albedo") == 0) return &cap->albedo;
     if (strcmp(name, "radiance") == 0 || strcmp(name, "direct") == 0) return &cap->direct;
+    if (strcmp(name, "f0") == 0) return &cap->f0;
+    if (strcmp(name, "roughness") == 0) return &cap->roughness;
     return NULL;
+}
+
+static int missing_input(const capture *cap, const char *name, char *error, size_t error_size)
+{
+    if (source_of(cap, name) == &cap->f0)
+        return frame_error(error, error_size, "the config needs the input f0, which the frame does not have. Write f0.Y or f0.RGB "
+                           "into it, or set f0=none");
+    if (source_of(cap, name) == &cap->roughness)
+        return frame_error(error, error_size, "the config needs the input roughness, which the frame does not have. Write "
+                           "roughness.Y into it, or set one for every surface, as in roughness=0.4");
+    return frame_error(error, error_size, "the config needs the input %s, which no capture has. Change the option that asks "
+                       "for it", name);
+}
+
+static int encode_input(const capture *cap, const hbil_config *config, depth_row row, const char *name, image *out, char *error,
+                        size_t error_size)
+{
+    const image *source = source_of(cap, name);
+    int          channels;
+
+    if (!source || !source->data) return missing_input(cap, name, error, error_size);
+    channels = source == &cap->normal ? normal_channels(config->normal_encoding)
+             : source == &cap->f0 ? (config->f0 == HBIL_F0_RGB ? 3 : 1) : source->channels;
+    if (!image_make(out, cap->width, cap->height, channels))
+        return frame_error(error, error_size, "out of memory for the input %s of %dx%d. Use a smaller frame", name, cap->width,
+                           cap->height);
+    if (source == &cap->normal) encode_normals(cap, config, out);
+    else if (source == &cap->f0) encode_f0(source, out);
+    else if (source == &cap->depth && config->depth == HBIL_DEPTH_DEVICE) encode_depth(cap, config, row, out);
+    else memcpy(out->data, source->data, (size_t)cap->width * (size_t)cap->height * (size_t)channels * sizeof(float));
+    if (cap->emissive && strcmp(name, "radiance") == 0) {
+        if (!cap->emission.data)
+            return frame_error(error, error_size, "--emissive, but the frame has no emission.RGB. Write it, or leave --emissive "
+                               "out");
+        add_emission(cap, out);
+    }
+    return 1;
 }
 
 static int encode_inputs(const capture *cap, const hbil_plan *plan, depth_row row, image *inputs, char *error, size_t error_size)
@@ -85,19 +200,10 @@ static int encode_inputs(const capture *cap, const hbil_plan *plan, depth_row ro
     uint32_t i;
 
     for (i = 0; i < plan->texture_count; i++) {
-        const char  *name = plan->textures[i].name;
-        const image *source = source_of(cap, name);
+        const char *name = plan->textures[i].name;
 
-        if (plan->textures[i].life != HBIL_LIFE_INPUT) continue;
-        if (!source || !source->data)
-            return frame_error(error, error_size,
-                               "the config needs the input %s, which no capture has. Change the option that asks for it", name);
-        if (!image_make(&inputs[i], cap->width, cap->height, source->channels))
-            return frame_error(error, error_size, "out of memory for the input %s of %dx%d. Use a smaller frame", name,
-                               cap->width, cap->height);
-        memcpy(inputs[i].data, source->data, (size_t)cap->width * (size_t)cap->height * (size_t)source->channels * sizeof(float));
-        if (source == &cap->depth && plan->config.depth == HBIL_DEPTH_DEVICE) encode_depth(cap, &plan->config, row, &inputs[i]);
-        if (source == &cap->normal && plan->config.normals == HBIL_NORMALS_WORLD) encode_normals(cap, &inputs[i]);
+        if (plan->textures[i].life != HBIL_LIFE_INPUT || strcmp(name, "sky") == 0 || strcmp(name, "probes") == 0) continue;
+        if (!encode_input(cap, &plan->config, row, name, &inputs[i], error, error_size)) return 0;
     }
     return 1;
 }

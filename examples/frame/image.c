@@ -41,17 +41,26 @@ int frame_error(char *error, size_t error_size, const char *format, ...)
     return 0;
 }
 
-int image_make(image *out, int width, int height, int channels)
+int image_make_slices(image *out, int width, int height, int depth, int channels)
 {
     memset(out, 0, sizeof *out);
-    if (width < 1 || width > MAX_SIZE || height < 1 || height > MAX_SIZE || channels < 1 || channels > 4) return 0;
-    out->data = calloc((size_t)width * (size_t)height, (size_t)channels * sizeof(float));
+    if (width < 1 || width > MAX_SIZE || height < 1 || height > MAX_SIZE || depth < 1 || depth > MAX_SIZE) return 0;
+    if (channels < 1 || channels > 4) return 0;
+    out->data = calloc((size_t)width * (size_t)height * (size_t)depth, (size_t)channels * sizeof(float));
     if (!out->data) return 0;
     out->width = width;
     out->height = height;
+    out->depth = depth;
     out->channels = channels;
     return 1;
 }
+
+int image_make(image *out, int width, int height, int channels)
+{
+    return image_make_slices(out, width, height, 1, channels);
+}
+
+int image_slices(const image *img) { return img->depth > 1 ? img->depth : 1; }
 
 void image_free(image *img)
 {
@@ -110,6 +119,35 @@ static int bytes_write(const char *path, const void *bytes, size_t size, char *e
 int text_write(const char *path, const char *text, char *error, size_t error_size)
 {
     return bytes_write(path, text, strlen(text), error, error_size);
+}
+
+char *text_read(const char *path, size_t most, const char *what, char *error, size_t error_size)
+{
+    FILE  *file = fopen(path, "rb");
+    char  *text = NULL, *larger;
+    size_t size = 0, room = 0;
+
+    if (!file) {
+        frame_error(error, error_size, "%s: cannot be opened (%s). Check the path", path, strerror(errno));
+        return NULL;
+    }
+    do { /* grown as it is read: the size of a pipe is not known, and `most` may be far more than there is */
+        room = room * 2 + 4096;
+        larger = realloc(text, room + 1);
+        if (!larger) break;
+        text = larger;
+        size += fread(text + size, 1, room - size, file);
+    } while (size == room && size <= most);
+    if (!larger || ferror(file) || size > most) {
+        frame_error(error, error_size, "%s: cannot be read as a file of at most %lu bytes. Give %s", path,
+                    (unsigned long)most, what);
+        free(text);
+        text = NULL;
+    } else {
+        text[size] = 0;
+    }
+    fclose(file);
+    return text;
 }
 
 /* ---- PNG -------------------------------------------------------------------------------------------------------- */
@@ -175,7 +213,7 @@ static const char *exr_reason(const exr_log *log, exr_result_t code)
 
 static void channel_name(const image_layer *layer, int index, char name[MAX_NAME])
 {
-    snprintf(name, MAX_NAME, "%s.%c", layer->layer, layer->channels[index]);
+    snprintf(name, MAX_NAME, "%s%s%c", layer->layer, layer->layer[0] ? "." : "", layer->channels[index]);
 }
 
 /* The layer and the channel in it that an EXR channel belongs to; NULL: nobody asked for it. */
@@ -375,12 +413,26 @@ int exr_read(const char *path, image_layer *layers, int count, char *error, size
     return ok;
 }
 
+typedef exr_result_t (*compress_routine)(exr_encode_pipeline_t *encode);
+
+/* Compress, then hand over the raw bytes where that gained nothing at all: OpenEXR 3.1 reads a block whose stored size is its raw size
+ * as raw, but would write it compressed. encoding_user_data: the library's own routine. */
+static exr_result_t compress_block(exr_encode_pipeline_t *encode)
+{
+    const exr_result_t code = (*(const compress_routine *)encode->encoding_user_data)(encode);
+
+    if (code == EXR_ERR_SUCCESS && encode->compressed_bytes == encode->packed_bytes)
+        memcpy(encode->compressed_buffer, encode->packed_buffer, (size_t)encode->packed_bytes);
+    return code;
+}
+
 /* Encode the block of scan lines that begins at row y. */
 static exr_result_t encode_chunk(exr_context_t context, int y, const image_layer *layers, int count)
 {
     exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_chunk_info_t      chunk;
     exr_result_t          code = exr_write_scanline_chunk_info(context, 0, y, &chunk);
+    compress_routine      routine;
     int c, index;
 
     if (code != EXR_ERR_SUCCESS) return code;
@@ -397,6 +449,9 @@ static exr_result_t encode_chunk(exr_context_t context, int y, const image_layer
         channel->encode_from_ptr = (const uint8_t *)(first_value(img, 0, y) + index);
     }
     if (code == EXR_ERR_SUCCESS) code = exr_encoding_choose_default_routines(context, 0, &encode);
+    routine = encode.compress_fn;
+    encode.encoding_user_data = &routine;
+    if (routine) encode.compress_fn = compress_block;
     if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(context, 0, &encode);
     exr_encoding_destroy(context, &encode);
     return code;

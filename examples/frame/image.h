@@ -4,14 +4,23 @@
 
 #include <stddef.h>
 
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* {0, 0, 0, NULL} is an absent image; depth follows it */
+#endif
+
 /* Interleaved floats, rows top to bottom. data == NULL: the image is absent. */
 typedef struct image {
     int    width, height, channels; /* channels 1..4 */
-    float *data;                    /* width * height * channels */
+    float *data;                    /* width * height * channels, slice after slice */
+    int    depth;                   /* slices: layers, cube faces +X -X +Y -Y +Z -Z, or z. 0 and 1: a plain image */
 } image;
 
 /* 1 on success; 0 when out of memory or a size is not in [1, 16384] (the image is then absent). Zero-filled. */
 int  image_make(image *out, int width, int height, int channels);
+/* The same with `depth` slices. */
+int  image_make_slices(image *out, int width, int height, int depth, int channels);
+/* Slices of an image: its depth, 1 for a plain image. */
+int  image_slices(const image *img);
 void image_free(image *img);
 
 /* Print a message into error[] (may be NULL if error_size is 0), cut to fit. Always 0, for `return frame_error(...)`. */
@@ -20,7 +29,7 @@ __attribute__((format(printf, 3, 4)))
 #endif
 int  frame_error(char *error, size_t error_size, const char *format, ...);
 
-/* Channel names of an image in an EXR layer: "ao" + "Y" -> ao.Y, "near" + "RGB" -> near.R near.G near.B */
+/* Channel names of an image in an EXR layer: "ao" + "Y" -> ao.Y, "near" + "RGB" -> near.R near.G near.B, "" + "RGB" -> R G B */
 typedef struct image_layer {
     const char *layer;      /* "depth" */
     const char *channels;   /* "Z", "XYZ", "RGB", "Y" */
@@ -36,6 +45,9 @@ int exr_read(const char *path, image_layer *layers, int count, char *error, size
 int exr_write(const char *path, const image_layer *layers, int count, char *error, size_t error_size);
 /* 8-bit sRGB PNG of 1 or 3 channels, values in [0, 1] taken as linear if linear != 0, as they are if not. Renamed into place. */
 int png_write(const char *path, const image *img, int linear, char *error, size_t error_size);
+/* A text file of at most `most` bytes, terminated; caller frees. what: what should be in it, for the message, "the camera's JSON".
+ * NULL: error[] says why. */
+char *text_read(const char *path, size_t most, const char *what, char *error, size_t error_size);
 /* Text file, renamed into place. */
 int text_write(const char *path, const char *text, char *error, size_t error_size);
 

@@ -1,5 +1,4 @@
 /* hbil-frame - light one frame of a renderer, say how long it took and how far it is from the truth. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,24 +11,21 @@
 #define HBIL_IMPLEMENTATION
 #include "../../hbil.h"
 #include "capture.h"
+#include "environment.h"
 #include "metric.h"
+#include "output.h"
 #include "runner.h"
 
 enum { DONE = 0, REFUSED = 1, USAGE = 2, FILES = 3, MISFIT = 4, BACKEND = 5 };
 
 #define DIAGS_MAX 32
 #define PATH_BYTES 4096
-
-/* What is written of each output of a plan: channel letters in the EXR, whether values below 0 are a fault. */
-static const struct output_kind { const char *name, *channels; int light; } output_kinds[] = {
-    {"ao", "Y", 1}, {"near", "RGB", 1}, {"bent", "XYZ", 0}, {"composite", "RGB", 1},
-};
-enum { AO, NEAR, BENT, COMPOSITE, OUTPUT_KINDS };
+#define HOOK_BYTES_MAX 65536
 
 typedef struct arguments {
-    const char  *frame, *camera, *scene, *backend, *preset, *out, *png, *report;
+    const char  *frame, *camera, *scene, *backend, *preset, *env, *hook, *out, *png, *report;
     const char **sets; /* texts of all --set, in order */
-    int          set_count, width, height, rays, repeat, validate, quiet;
+    int          set_count, width, height, rays, repeat, emissive, validate, quiet;
 } arguments;
 
 typedef struct timing { double min, median, max; } timing; /* ms */
@@ -38,8 +34,11 @@ typedef struct timing { double min, median, max; } timing; /* ms */
 typedef struct session {
     arguments   args;
     hbil_config config;
+    int         set_environment, set_sh_order; /* 1: a --set says so */
     hbil_plan   plan;
     capture     cap;
+    environment env;                    /* absent: no --env */
+    char       *hook;                   /* text of --hook, or NULL */
     hbil_frame  frame;
     image       inputs[HBIL_MAX_TEXTURES];
     runner     *runner;
@@ -99,23 +98,44 @@ static void print_help(void)
     const hbil_option *o;
     int32_t i;
 
-    fputs("usage: hbil-frame (--frame F.exr --camera C.json | --scene cornell) [options]\n"
+    fputs("usage: hbil-frame (--frame F.exr --camera C.json | --scene NAME) [options]\n"
           "Lights one frame by a config of hbil.h, and reports times and errors.\n\n"
-          "  --frame F.exr     layers depth.Z normal.XYZ albedo.RGB direct.RGB; optional emission.RGB truth_ao.Y truth_near.RGB\n"
+          "  --frame F.exr     layers depth.Z normal.XYZ albedo.RGB direct.RGB; optional emission.RGB, f0.Y or f0.RGB,\n"
+          "                    roughness.Y, truth_ao.Y truth_near.RGB truth_far.RGB. With frame-X.exr the height-field truth is\n"
+          "                    read, too, if hf-X.exr lies beside it\n"
           "  --camera C.json   width, height, near, far, projection_rows (OpenGL clip), view_rows\n"
-          "  --scene cornell   the built-in scene instead of a file\n"
-          "  --size WxH        its size in pixels, default 640x360\n"
+          "  --scene NAME      a built-in scene instead of a file: ", stdout);
+    for (i = 0; capture_scene_name(i); i++) printf("%s%s", i ? ", " : "", capture_scene_name(i));
+    fputs("\n  --size WxH        its size in pixels, default 640x360\n"
           "  --rays N          its rays per pixel for the truth, default 64; 0: no truth\n"
           "  --backend B       vulkan (default) or gl\n"
           "  --preset P        where the config begins; default: every option at its default\n"
           "  --set A=B,C=D+E   options of the config; may be repeated. projection and target are taken from frame and backend\n"
-          "  --out O.exr       write the outputs: ao.Y near.RGB bent.XYZ composite.RGB, as far as asked for\n"
-          "  --png DIR         write before.png, after.png and one picture per output; DIR is made if need be\n"
+          "  --env E           the light behind what is visible, world space; sets environment, and sh_order if --set does not:\n"
+          "                      sky                  the sky of the captures, +Z up: what truth_far was made with\n"
+          "                      sky:R,G,B,R,G,B      the same with other radiance of ground and zenith\n"
+          "                      color:R,G,B          one radiance everywhere\n"
+          "                      sh:NUMBERS, sh:FILE  3, 12 or 27 numbers: radiance as rgb of each real, orthonormal spherical\n"
+          "                                           harmonic up to order 0, 1 or 2: Y00, Y1-1 Y10 Y11, Y2-2 Y2-1 Y20 Y21 Y22\n"
+          "                      CUBE.exr             channels R G B, radiance: six square faces +X -X +Y -Y +Z -Z, side by side\n"
+          "                                           or on top of each other, each as GL and Vulkan look it up, row 0 on top.\n"
+          "                                           Blurred into E/pi, but for far_visibility=free_bits, which reads radiance\n"
+          "                      PROBES.json          {\"size\": [nx,ny,nz], \"origin\": [x,y,z], \"step\": [x,y,z], \"order\": 2,\n"
+          "                                           \"coefficients\": [ [ [r,g,b] ... 9 times ] ... per probe, x fastest ]}\n"
+          "  --hook H.glsl     your own: text with vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture),\n"
+          "                    see hbil_emit_glsl_hook in hbil.h; sets environment=hook\n"
+          "  --emissive        emission.RGB bounces, too: it is added to the input radiance\n"
+          "  --out O.exr       write the outputs, as far as asked for: ao.Y uniform_ao.Y bent.XYZ cone.XYZA near.RGB\n"
+          "                    sh0.RGBA to sh3.RGBA far.RGB irradiance.RGB specular_occlusion.Y multi_bounce.RGB composite.RGB\n"
+          "  --png DIR         write before.png, after.png and pictures of each output; DIR is made if need be\n"
           "  --report R.json   write times, errors and the config\n"
           "  --repeat N        N timed runs after one that is not timed; default: the first run is timed, compiling included\n"
           "  --validate        with the validation layer (Vulkan) or debug output (GL); a message is a failure\n"
           "  -q                print nothing but warnings and errors\n"
           "  --help, --version\n\n"
+          "errors: ao, near and far (with --env sky) against truth_ao, truth_near and truth_far, irradiance against their sum,\n"
+          "        composite against direct + albedo * sum; hf: against the height-field truth. uniform_ao is held against\n"
+          "        truth_ao for reference: that one is cosine-weighted\n"
           "exit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written, or is malformed;\n"
           "      4 frame, camera and config do not fit each other; 5 backend or driver missing or failed\n\n"
           "presets:\n", stdout);
@@ -155,8 +175,9 @@ static int read_argument(session *s, const char *name, const char *value)
 {
     arguments *a = &s->args;
     const struct { const char *name; const char **target; } texts[] = {
-        {"--frame", &a->frame}, {"--camera", &a->camera}, {"--scene", &a->scene},   {"--backend", &a->backend},
-        {"--preset", &a->preset}, {"--out", &a->out},     {"--png", &a->png},       {"--report", &a->report},
+        {"--frame", &a->frame},   {"--camera", &a->camera}, {"--scene", &a->scene}, {"--backend", &a->backend},
+        {"--preset", &a->preset}, {"--env", &a->env},       {"--hook", &a->hook},   {"--out", &a->out},
+        {"--png", &a->png},       {"--report", &a->report},
     };
     size_t i;
 
@@ -180,20 +201,38 @@ static int read_argument(session *s, const char *name, const char *value)
     return frame_error(s->error, sizeof s->error, "%s: unknown; hbil-frame --help lists all", name);
 }
 
+/* Is there such a scene? Else the message lists them. */
+static int check_scene(session *s)
+{
+    size_t used;
+    int    i;
+
+    for (i = 0; capture_scene_name(i); i++)
+        if (strcmp(s->args.scene, capture_scene_name(i)) == 0) return 1;
+    frame_error(s->error, sizeof s->error, "--scene %s: must be", s->args.scene);
+    for (i = 0; capture_scene_name(i); i++) {
+        used = strlen(s->error);
+        snprintf(s->error + used, sizeof s->error - used, "%s %s", i ? " or" : "", capture_scene_name(i));
+    }
+    return 0;
+}
+
 static int check_arguments(session *s)
 {
     arguments *a = &s->args;
 
     if (!a->frame == !a->scene)
-        return frame_error(s->error, sizeof s->error, "give either --frame F.exr --camera C.json, or --scene cornell");
+        return frame_error(s->error, sizeof s->error, "give either --frame F.exr --camera C.json, or --scene NAME");
     if (a->frame && !a->camera) return frame_error(s->error, sizeof s->error,
                                                    "--frame needs the camera of that frame: --camera C.json");
-    if (a->scene && strcmp(a->scene, capture_scene_name(0)) != 0)
-        return frame_error(s->error, sizeof s->error, "--scene %s: must be %s", a->scene, capture_scene_name(0));
+    if (a->scene && !check_scene(s)) return 0;
     if (a->scene && a->camera) return frame_error(s->error, sizeof s->error,
                                                   "--camera belongs to --frame; a scene has its own. Leave one out");
     if (a->frame && (a->width || a->rays >= 0))
         return frame_error(s->error, sizeof s->error, "--size and --rays belong to --scene; a frame has its own. Leave them out");
+    if (a->env && a->hook)
+        return frame_error(s->error, sizeof s->error, "--env %s and --hook %s: there is one environment. Leave one out", a->env,
+                           a->hook);
     if (a->out && a->report && strcmp(a->out, a->report) == 0)
         return frame_error(s->error, sizeof s->error, "--out and --report name the same file %s", a->out);
     if (!a->backend) a->backend = "vulkan";
@@ -221,6 +260,7 @@ static int read_command_line(session *s, int argc, char **argv, int *code)
         }
         if (strcmp(argv[i], "-q") == 0) s->args.quiet = 1;
         else if (strcmp(argv[i], "--validate") == 0) s->args.validate = 1;
+        else if (strcmp(argv[i], "--emissive") == 0) s->args.emissive = 1;
         else if (!read_argument(s, argv[i], i + 1 < argc ? argv[i + 1] : "")) return fail(s, 0);
         else i++;
     }
@@ -240,8 +280,18 @@ static void print_diags(const session *s, const hbil_diags *diags)
     if (diags->count > diags->capacity) fprintf(stderr, "hbil-frame: and %d more\n", (int)(diags->count - diags->capacity));
 }
 
+/* Environment and hook: files that the config depends on. */
+static int read_environment(session *s)
+{
+    if (s->args.env && !environment_parse(&s->env, s->args.env, s->error, sizeof s->error))
+        return fail(s, s->env.misuse ? USAGE : FILES);
+    if (!s->args.hook) return DONE;
+    s->hook = text_read(s->args.hook, HOOK_BYTES_MAX, "GLSL text", s->error, sizeof s->error);
+    return s->hook ? DONE : fail(s, FILES);
+}
+
 /* name=value pairs of one --set. Every fault is collected; 0 if there was one. */
-static int apply_set(hbil_config *config, const char *text, hbil_diags *diags)
+static int apply_set(session *s, const char *text, hbil_diags *diags)
 {
     char  *pairs = malloc(strlen(text) + 1), *pair, *value, *next;
     int   ok = pairs != NULL;
@@ -253,10 +303,58 @@ static int apply_set(hbil_config *config, const char *text, hbil_diags *diags)
         value = strchr(pair, '=');
         if (value) *value++ = 0;
         /* Without '=': the text "" is no value of any option, so the fault names the option and its range. */
-        if (hbil_config_set(config, pair, value ? value : "", diags) != HBIL_OK) ok = 0;
+        if (hbil_config_set(&s->config, pair, value ? value : "", diags) != HBIL_OK) ok = 0;
+        if (strcmp(pair, "environment") == 0) s->set_environment = s->config.environment != 0;
+        if (strcmp(pair, "sh_order") == 0) s->set_sh_order = s->config.sh_order != 0;
     }
     free(pairs);
     return ok;
+}
+
+/* The name of a choice of the option environment. */
+static const char *environment_name(int32_t choice, char name[16])
+{
+    static const char option[] = "environment";
+    const char *p = hbil_option_at(hbil_option_find(option, sizeof option - 1, NULL))->choices;
+
+    for (; choice > 1 && *p; choice--) p += strcspn(p, " ") + (p[strcspn(p, " ")] != 0);
+    snprintf(name, 16, "%.*s", (int)strcspn(p, " "), p);
+    return name;
+}
+
+/* What --env and --hook say about the config, unless --set says it. */
+static int apply_environment(session *s)
+{
+    const arguments *a = &s->args;
+    const int        kind = s->hook ? HBIL_ENVIRONMENT_HOOK : s->env.kind;
+    hbil_config      resolved;
+    char             given[16], set[16];
+
+    if (kind == 0) return 1;
+    if (s->set_environment && s->config.environment != kind)
+        return frame_error(s->error, sizeof s->error, "%s %s is environment=%s, but --set says environment=%s. Leave one out",
+                           s->hook ? "--hook" : "--env", s->hook ? a->hook : a->env, environment_name(kind, given),
+                           environment_name(s->config.environment, set));
+    s->config.environment = kind;
+    if (s->set_sh_order || (kind != HBIL_ENVIRONMENT_SH && kind != HBIL_ENVIRONMENT_PROBES)) return 1;
+    /* where no output reads the environment, one note about it is enough */
+    if (hbil_config_resolve(&s->config, &resolved, NULL) == HBIL_OK && resolved.environment == HBIL_ENVIRONMENT_NONE) return 1;
+    s->config.sh_order = s->env.order == 2 ? 2 : 1;
+    return 1;
+}
+
+/* Does the config ask for an environment that nobody gave? */
+static int check_environment(session *s, const hbil_config *resolved)
+{
+    static const char *const fixes[] = {"", "", "--env color:R,G,B", "--env sky or --env sh:NUMBERS", "--env CUBE.exr",
+                                        "--env PROBES.json", "--hook H.glsl"};
+    char name[16];
+
+    if (resolved->environment == HBIL_ENVIRONMENT_NONE || s->env.kind != 0 || s->hook) return 1;
+    return frame_error(s->error, sizeof s->error, "environment=%s%s%s, but its light is not given. Add %s, or set "
+                       "environment=none where the outputs go without", environment_name(resolved->environment, name),
+                       s->set_environment ? "" : " of preset ", s->set_environment ? "" : s->args.preset,
+                       fixes[resolved->environment]);
 }
 
 /* Preset, options, target. What a frame decides is still open; all else is checked before any work begins. */
@@ -268,12 +366,14 @@ static int make_config(session *s)
     const int   target = strcmp(s->args.backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
     int         i, ok = !s->args.preset || hbil_config_preset(s->args.preset, &s->config, &diags) == HBIL_OK;
 
-    for (i = 0; i < s->args.set_count; i++) ok &= apply_set(&s->config, s->args.sets[i], &diags);
+    for (i = 0; i < s->args.set_count; i++) ok &= apply_set(s, s->args.sets[i], &diags);
+    if (ok && !apply_environment(s)) return fail(s, REFUSED);
     if (ok) ok = hbil_config_resolve(&s->config, &resolved, &diags) == HBIL_OK;
     if (!ok) {
         print_diags(s, &diags);
         return REFUSED;
     }
+    if (!check_environment(s, &resolved)) return fail(s, REFUSED);
     if (s->config.target != 0 && s->config.target != target) {
         frame_error(s->error, sizeof s->error,
                     "option target: does not match --backend %s. Leave target out, or choose the other backend",
@@ -281,6 +381,23 @@ static int make_config(session *s)
         return fail(s, REFUSED);
     }
     s->config.target = target;
+    return DONE;
+}
+
+/* Whether the text has the function is known before a driver sees it. */
+static int check_hook(session *s)
+{
+    hbil_diag  items[DIAGS_MAX];
+    hbil_diags diags = {items, DIAGS_MAX, 0};
+    uint32_t   p;
+    size_t     need;
+
+    for (p = 0; p < s->plan.pass_count; p++) {
+        if (hbil_emit_glsl_hook(&s->plan, (int32_t)p, s->hook, NULL, 0, &need, &diags) != HBIL_E_HOOK) continue;
+        print_diags(s, &diags);
+        frame_error(s->error, sizeof s->error, "%s: cannot be used as environment=hook, see above", s->args.hook);
+        return fail(s, FILES);
+    }
     return DONE;
 }
 
@@ -296,8 +413,10 @@ static int make_plan(session *s)
     ok = hbil_plan_build(&s->config, &s->plan, &diags) == HBIL_OK;
     print_diags(s, &diags);
     if (!ok) return REFUSED;
-    if (!capture_encode(&s->cap, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)) return fail(s, MISFIT);
-    return DONE;
+    s->cap.emissive = s->args.emissive;
+    if (!capture_encode(&s->cap, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)
+        || !environment_encode(&s->env, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)) return fail(s, MISFIT);
+    return check_hook(s);
 }
 
 /* ---- work -------------------------------------------------------------------------------------------------------- */
@@ -344,28 +463,28 @@ static timing timing_of(double *values, int count)
     return t;
 }
 
-/* Keep the outputs that were asked for, without the constant alpha. */
+/* Keep the outputs that were asked for. */
 static int take_outputs(session *s, const image textures[HBIL_MAX_TEXTURES])
 {
-    size_t i, c, count, from, to;
-    int    k, index;
+    int k, index;
 
     for (k = 0; k < OUTPUT_KINDS; k++) {
-        const image *source;
-        image       *out = &s->outputs[k];
-
         index = hbil_plan_texture(&s->plan, output_kinds[k].name);
         if (index < 0 || s->plan.textures[index].life != HBIL_LIFE_OUTPUT) continue;
-        source = &textures[index];
-        if (!image_make(out, source->width, source->height, (int)strlen(output_kinds[k].channels)))
+        if (!output_take(&s->outputs[k], k, &textures[index]))
             return frame_error(s->error, sizeof s->error, "out of memory for the outputs. Use a smaller frame");
-        count = (size_t)out->width * (size_t)out->height;
-        from = (size_t)source->channels;
-        to = (size_t)out->channels;
-        for (i = 0; i < count; i++)
-            for (c = 0; c < to; c++) out->data[i * to + c] = source->data[i * from + c];
     }
     return 1;
+}
+
+/* A compiler's message counts the lines of a hook as the hook's own: say whose they are. */
+static void name_hook(session *s)
+{
+    size_t used = strlen(s->error);
+
+    if (!s->hook || !strstr(s->error, "does not compile")) return;
+    while (used > 0 && s->error[used - 1] == '\n') s->error[--used] = 0;
+    snprintf(s->error + used, sizeof s->error - used, "\n%s: lines of source 1 are those of this file. Mend it", s->args.hook);
 }
 
 /* All runs; outputs of the last. */
@@ -378,6 +497,7 @@ static int run_plan(session *s)
 
     memset(textures, 0, sizeof textures);
     if (!ok) frame_error(s->error, sizeof s->error, "out of memory for %d times. Use a smaller --repeat", repeat);
+    if (ok && !runner_hook(s->runner, s->hook)) ok = frame_error(s->error, sizeof s->error, "out of memory for the hook");
     progress_begin("running", s->args.quiet);
     for (i = -warm; ok && i < repeat; i++) {
         for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
@@ -389,6 +509,7 @@ static int run_plan(session *s)
         progress_show((double)(i + 1 + warm) / (repeat + warm));
     }
     progress_end();
+    if (!ok) name_hook(s);
     for (p = 0; ok && p <= passes; p++) s->times[p] = timing_of(ms + p * repeat, repeat);
     ok = ok && take_outputs(s, textures);
     for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
@@ -399,116 +520,47 @@ static int run_plan(session *s)
     return ok ? DONE : fail(s, BACKEND);
 }
 
+/* Truth of near and far light together, as far as the plan adds them up; with `over`, direct + albedo * that. Absent: a part of
+ * it is not known. */
+static void make_sum(const session *s, int over, image *out)
+{
+    const capture *cap = &s->cap;
+    const int      near_in = s->plan.config.estimator <= HBIL_ESTIMATOR_BITMASK; /* the others gather no near light */
+    const int      far_in = s->plan.config.environment != HBIL_ENVIRONMENT_NONE;
+    const size_t   count = 3 * (size_t)cap->width * (size_t)cap->height;
+    size_t         i;
+
+    memset(out, 0, sizeof *out);
+    if ((near_in && !cap->truth_near.data) || (far_in && (!cap->truth_far.data || !s->env.captures_sky))) return;
+    if (!image_make(out, cap->width, cap->height, 3)) return;
+    for (i = 0; i < count; i++) {
+        const float sum = (near_in ? cap->truth_near.data[i] : 0.0f) + (far_in ? cap->truth_far.data[i] : 0.0f);
+        out->data[i] = over ? cap->direct.data[i] + cap->albedo.data[i] * sum : sum;
+    }
+}
+
 static void measure(session *s)
 {
-    const image *truths[OUTPUT_KINDS] = {NULL, NULL, NULL, NULL};
-    int k;
+    const image *truths[OUTPUT_KINDS] = {NULL}, *fields[OUTPUT_KINDS] = {NULL};
+    image        sum, composite;
+    int          k;
 
-    truths[AO] = &s->cap.truth_ao;
-    truths[NEAR] = &s->cap.truth_near;
-    for (k = 0; k < OUTPUT_KINDS; k++)
-        if (s->outputs[k].data) s->metrics[k] = metric_measure(&s->outputs[k], truths[k], &s->cap);
-}
-
-/* ---- pictures ---------------------------------------------------------------------------------------------------- */
-
-/* a + b; b may be absent. */
-static int add_light(image *out, const image *a, const image *b)
-{
-    const size_t count = 3 * (size_t)a->width * (size_t)a->height;
-    size_t       i;
-
-    if (!image_make(out, a->width, a->height, 3)) return 0;
-    for (i = 0; i < count; i++) out->data[i] = a->data[i] + (b->data ? b->data[i] : 0.0f);
-    return 1;
-}
-
-static int compare_floats(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-
-    return (x > y) - (x < y);
-}
-
-/* The factor that takes the 95th percentile of the brightest channel to 0.8; lamps and sky do not count. 1 for a black frame. */
-static float find_exposure(const capture *cap)
-{
-    const size_t count = (size_t)cap->width * (size_t)cap->height;
-    float       *values = malloc(count * sizeof *values), level = 0.0f;
-    size_t       i, used = 0;
-
-    for (i = 0; values && i < count; i++) {
-        const float *d = cap->direct.data + 3 * i;
-        const float  v = fmaxf(d[0], fmaxf(d[1], d[2]));
-        if (metric_counts(cap, i) && isfinite(v)) values[used++] = v;
+    make_sum(s, 0, &sum);
+    make_sum(s, 1, &composite);
+    truths[OUTPUT_AO] = truths[OUTPUT_UNIFORM_AO] = &s->cap.truth_ao;
+    truths[OUTPUT_NEAR] = &s->cap.truth_near;
+    truths[OUTPUT_FAR] = s->env.captures_sky ? &s->cap.truth_far : NULL;
+    truths[OUTPUT_IRRADIANCE] = &sum;
+    truths[OUTPUT_COMPOSITE] = &composite;
+    fields[OUTPUT_AO] = &s->cap.hf_ao;
+    fields[OUTPUT_NEAR] = &s->cap.hf_near;
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        if (!s->outputs[k].data) continue;
+        s->metrics[k] = metric_measure(&s->outputs[k], truths[k], &s->cap);
+        metric_height_field(&s->metrics[k], &s->outputs[k], fields[k], &s->cap);
     }
-    if (used > 0) {
-        qsort(values, used, sizeof *values, compare_floats);
-        level = values[used * 95 / 100];
-    }
-    free(values);
-    return level > 0.0f ? 0.8f / level : 1.0f;
-}
-
-/* Exposed, and rolled off above 0.8 so that highlights keep their shape instead of turning into flat white. */
-static void tone_map(image *img, float exposure)
-{
-    const size_t count = 3 * (size_t)img->width * (size_t)img->height;
-    size_t       i;
-
-    for (i = 0; i < count; i++) {
-        const float v = img->data[i] * exposure;
-        img->data[i] = v > 0.8f ? 1.0f - 0.2f * expf((0.8f - v) / 0.2f) : v;
-    }
-}
-
-static void show_vectors(image *img)
-{
-    const size_t count = (size_t)img->width * (size_t)img->height;
-    size_t       i;
-    int          c;
-
-    for (i = 0; i < count; i++) {
-        float      *v = img->data + 3 * i;
-        const float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        for (c = 0; c < 3; c++) v[c] = 0.5f + (length > 0.0f ? 0.5f * v[c] / length : 0.0f);
-    }
-}
-
-static int write_picture(session *s, const char *name, const image *img, int linear)
-{
-    char path[PATH_BYTES];
-
-    if (!img->data) return frame_error(s->error, sizeof s->error, "%s: out of memory for pictures", s->args.png);
-    if (snprintf(path, sizeof path, "%s/%s.png", s->args.png, name) >= (int)sizeof path)
-        return frame_error(s->error, sizeof s->error, "--png: path of more than %d bytes. Choose a shorter one", PATH_BYTES);
-    return png_write(path, img, linear, s->error, sizeof s->error);
-}
-
-static int write_pictures(session *s)
-{
-    static const image none = {0, 0, 0, NULL};
-    const float        exposure = find_exposure(&s->cap);
-    const struct { const char *name; const image *light, *glow; int vectors; } pictures[] = {
-        {"before", &s->cap.direct, &s->cap.emission, 0}, {"after", &s->outputs[COMPOSITE], &s->cap.emission, 0},
-        {"near", &s->outputs[NEAR], &none, 0},           {"bent", &s->outputs[BENT], &none, 1},
-    };
-    image  picture;
-    size_t i;
-    int    ok = 1;
-
-    if (mkdir(s->args.png, 0777) != 0 && access(s->args.png, W_OK) != 0)
-        return frame_error(s->error, sizeof s->error, "%s: cannot be made. Choose a folder that can be written", s->args.png);
-    for (i = 0; ok && i < sizeof pictures / sizeof *pictures; i++) {
-        if (!pictures[i].light->data) continue;
-        if (add_light(&picture, pictures[i].light, pictures[i].glow)) {
-            if (pictures[i].vectors) show_vectors(&picture);
-            else tone_map(&picture, exposure);
-        }
-        ok = write_picture(s, pictures[i].name, &picture, !pictures[i].vectors);
-        image_free(&picture);
-    }
-    return ok && (!s->outputs[AO].data || write_picture(s, "ao", &s->outputs[AO], 0));
+    image_free(&sum);
+    image_free(&composite);
 }
 
 /* ---- report ------------------------------------------------------------------------------------------------------ */
@@ -567,6 +619,11 @@ static cJSON *output_object(const metric *m)
         cJSON_AddNumberToObject(item, "bias", m->bias);
         cJSON_AddNumberToObject(item, "compared_pixels", (double)m->compared);
     }
+    if (m->hf_compared > 0) {
+        cJSON_AddNumberToObject(item, "hf_rmse", m->hf_rmse);
+        cJSON_AddNumberToObject(item, "hf_bias", m->hf_bias);
+        cJSON_AddNumberToObject(item, "hf_compared_pixels", (double)m->hf_compared);
+    }
     return item;
 }
 
@@ -583,6 +640,8 @@ static int write_report(session *s)
     cJSON_AddStringToObject(root, "driver", about->driver);
     cJSON_AddStringToObject(root, "timing", about->timing);
     cJSON_AddStringToObject(root, "frame", s->args.frame ? s->args.frame : s->args.scene);
+    if (s->args.env) cJSON_AddStringToObject(root, "env", s->args.env);
+    if (s->args.hook) cJSON_AddStringToObject(root, "hook", s->args.hook);
     cJSON_AddNumberToObject(root, "width", s->cap.width);
     cJSON_AddNumberToObject(root, "height", s->cap.height);
     cJSON_AddStringToObject(root, "config_text", all ? all : "");
@@ -605,6 +664,31 @@ static int write_report(session *s)
     return ok;
 }
 
+static void print_error(size_t compared, double rmse, double bias)
+{
+    if (compared > 0) printf(" %9.4f %+9.4f", rmse, bias);
+    else printf(" %9s %9s", "-", "-");
+}
+
+/* What each output holds, and how far it is from each truth that there is. */
+static void print_errors(const session *s)
+{
+    const int field = s->cap.hf_valid.data != NULL;
+    int       k;
+
+    printf("\n%-18s %9s %9s %9s %9s %9s", "output", "min", "mean", "max", "rmse", "bias");
+    printf(field ? " %9s %9s   against truth and height field\n" : "%s%s   against the truth\n", field ? "hf rmse" : "",
+           field ? "hf bias" : "");
+    for (k = 0; k < OUTPUT_KINDS; k++) {
+        const metric *m = &s->metrics[k];
+        if (!s->outputs[k].data) continue;
+        printf("%-18s %9.4f %9.4f %9.4f", output_kinds[k].name, m->min, m->mean, m->max);
+        print_error(m->compared, m->rmse, m->bias);
+        if (field) print_error(m->hf_compared, m->hf_rmse, m->hf_bias);
+        putchar('\n');
+    }
+}
+
 static void print_summary(const session *s)
 {
     const runner_info *about = runner_about(s->runner);
@@ -614,6 +698,7 @@ static void print_summary(const session *s)
     printf("backend    %s: %s\n", about->backend, about->device);
     printf("driver     %s\n", about->driver);
     printf("frame      %s, %dx%d\n", s->args.frame ? s->args.frame : s->args.scene, s->cap.width, s->cap.height);
+    if (s->args.env || s->args.hook) printf("far light  %s\n", s->args.env ? s->args.env : s->args.hook);
     printf("config     %016llx %s\n", (unsigned long long)s->plan.hash, text && *text ? text : "defaults");
     printf("textures   %.1f MiB of its own\n", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height) / 1048576.0);
     printf("\n%-10s %9s %9s %9s   ms, %d run%s, %s\n", "pass", "min", "median", "max", s->args.repeat,
@@ -621,14 +706,7 @@ static void print_summary(const session *s)
     for (k = 0; k <= (int)s->plan.pass_count; k++)
         printf("%-10s %9.3f %9.3f %9.3f\n", k < (int)s->plan.pass_count ? s->plan.passes[k].name : "total",
                s->times[k].min, s->times[k].median, s->times[k].max);
-    printf("\n%-10s %9s %9s %9s %9s %9s   rmse and bias against the truth\n", "output", "min", "mean", "max", "rmse", "bias");
-    for (k = 0; k < OUTPUT_KINDS; k++) {
-        const metric *m = &s->metrics[k];
-        if (!s->outputs[k].data) continue;
-        printf("%-10s %9.4f %9.4f %9.4f", output_kinds[k].name, m->min, m->mean, m->max);
-        if (m->compared > 0) printf(" %9.4f %+9.4f\n", m->rmse, m->bias);
-        else printf(" %9s %9s\n", "-", "-");
-    }
+    print_errors(s);
     free(text);
 }
 
@@ -683,17 +761,11 @@ static int check_files(session *s)
 
 static int write_files(session *s)
 {
-    image_layer layers[OUTPUT_KINDS];
-    int         k, ok = 1;
+    image_layer layers[OUTPUT_LAYERS_MAX];
+    int         ok = 1;
 
-    for (k = 0; k < OUTPUT_KINDS; k++) {
-        layers[k].layer = output_kinds[k].name;
-        layers[k].channels = output_kinds[k].channels;
-        layers[k].pixels = s->outputs[k];
-        layers[k].required = 0;
-    }
-    if (s->args.out) ok = exr_write(s->args.out, layers, OUTPUT_KINDS, s->error, sizeof s->error);
-    if (s->args.png) ok = ok && write_pictures(s);
+    if (s->args.out) ok = exr_write(s->args.out, layers, output_layers(s->outputs, layers), s->error, sizeof s->error);
+    if (s->args.png) ok = ok && output_pictures(s->args.png, &s->cap, s->outputs, s->error, sizeof s->error);
     if (s->args.report) ok = ok && write_report(s);
     return ok ? DONE : fail(s, FILES);
 }
@@ -707,6 +779,8 @@ static void session_close(session *s)
     for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&s->inputs[i]);
     for (i = 0; i < OUTPUT_KINDS; i++) image_free(&s->outputs[i]);
     capture_free(&s->cap);
+    environment_free(&s->env);
+    free(s->hook);
     if (s->runner) runner_close(s->runner);
     free(s->args.sets);
     free(s);
@@ -715,7 +789,7 @@ static void session_close(session *s)
 /* Cheap checks first, files last. */
 static int work(session *s)
 {
-    static int (*const steps[])(session *) = {make_config, check_files, make_capture, make_plan};
+    static int (*const steps[])(session *) = {read_environment, make_config, check_files, make_capture, make_plan};
     size_t i;
     int    code = DONE;
 

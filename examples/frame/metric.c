@@ -14,7 +14,8 @@ int metric_counts(const capture *cap, size_t pixel)
 
 static void measure_values(const image *result, metric *m)
 {
-    const size_t count = (size_t)result->width * (size_t)result->height * (size_t)result->channels;
+    const size_t count = (size_t)result->width * (size_t)result->height * (size_t)image_slices(result)
+                       * (size_t)result->channels;
     size_t       i, finite = 0;
     double       sum = 0.0;
 
@@ -33,16 +34,21 @@ static void measure_values(const image *result, metric *m)
     if (finite > 0) m->mean = sum / (double)finite;
 }
 
-static void measure_truth(const image *result, const image *truth, const capture *cap, metric *m)
+/* Root of the mean square, and mean, of result - truth over all pixels that count: those of `where`, NULL: those with a truth.
+ * How many pixels. */
+static size_t measure_error(const image *result, const image *truth, const image *where, const capture *cap, double *rmse,
+                            double *bias)
 {
     const size_t count = (size_t)result->width * (size_t)result->height, channels = (size_t)result->channels;
     double       sum = 0.0, squares = 0.0;
-    size_t       i, c;
+    size_t       i, c, compared = 0;
 
+    if (!truth || !truth->data || truth->width != result->width || truth->height != result->height
+        || truth->channels != result->channels || image_slices(result) != 1) return 0;
     for (i = 0; i < count; i++) {
         double difference = 0.0, square = 0.0;
 
-        if (!metric_counts(cap, i)) continue;
+        if (where ? !(where->data[i] > 0.5f) : !metric_counts(cap, i)) continue;
         for (c = 0; c < channels; c++) {
             double d = (double)result->data[i * channels + c] - (double)truth->data[i * channels + c];
             difference += d;
@@ -51,11 +57,12 @@ static void measure_truth(const image *result, const image *truth, const capture
         if (!isfinite(square)) continue;
         sum += difference;
         squares += square;
-        m->compared++;
+        compared++;
     }
-    if (m->compared == 0) return;
-    m->bias = sum / (double)(m->compared * channels);
-    m->rmse = sqrt(squares / (double)(m->compared * channels));
+    if (compared == 0) return 0;
+    *bias = sum / (double)(compared * channels);
+    *rmse = sqrt(squares / (double)(compared * channels));
+    return compared;
 }
 
 metric metric_measure(const image *result, const image *truth, const capture *cap)
@@ -64,8 +71,11 @@ metric metric_measure(const image *result, const image *truth, const capture *ca
 
     memset(&m, 0, sizeof m);
     measure_values(result, &m);
-    if (truth && truth->data && truth->width == result->width && truth->height == result->height
-        && truth->channels == result->channels)
-        measure_truth(result, truth, cap, &m);
+    m.compared = measure_error(result, truth, NULL, cap, &m.rmse, &m.bias);
     return m;
+}
+
+void metric_height_field(metric *m, const image *result, const image *truth, const capture *cap)
+{
+    if (cap->hf_valid.data) m->hf_compared = measure_error(result, truth, &cap->hf_valid, cap, &m->hf_rmse, &m->hf_bias);
 }

@@ -9,6 +9,7 @@ struct runner {
     const runner_ops *ops;
     void             *device;
     runner_info       about;
+    char             *hook;     /* copy of the caller's text */
 };
 
 runner *runner_open(const char *backend, int validate, char *error, size_t error_size)
@@ -34,13 +35,44 @@ void runner_close(runner *r)
 {
     if (r == NULL) return;
     r->ops->close(r->device);
+    free(r->hook);
     free(r);
 }
 
 const runner_info *runner_about(const runner *r)    { return &r->about; }
 int                runner_messages(const runner *r) { return r->ops->messages(r->device); }
 
-/* A texel that is not there reads as anything, so every input must cover the frame. */
+int runner_hook(runner *r, const char *text)
+{
+    char *copy = NULL;
+    if (text == NULL ? r->hook == NULL : r->hook != NULL && strcmp(text, r->hook) == 0) return 1;
+    if (text != NULL) {
+        copy = (char *)malloc(strlen(text) + 1);
+        if (copy == NULL) return 0;
+        memcpy(copy, text, strlen(text) + 1);
+    }
+    r->ops->set_hook(r->device, copy); /* the old text is in use until here */
+    free(r->hook);
+    r->hook = copy;
+    return 1;
+}
+
+/* What is wrong with the shape of an input, NULL: nothing. needed: room for a text of its own. A texel that is not there reads
+ * as anything, so every input that lies on the screen must cover the frame. */
+static const char *shape_fault(const hbil_plan *plan, uint32_t t, const image *in, const uint32_t extent[2], char needed[64])
+{
+    const uint16_t dim = plan->textures[t].dim;
+    if (in->data == NULL) return "is missing";
+    if (in->width < 1 || in->height < 1 || in->channels < 1 || in->channels > 4) return "is empty, or has not 1 to 4 channels";
+    if (dim == HBIL_DIM_3D) return NULL;
+    if (dim == HBIL_DIM_CUBE)
+        return in->width == in->height && image_slices(in) == 6 ? NULL : "is a cube map: it takes 6 slices, each of them square";
+    if (image_slices(in) != 1) return "is a plain 2D texture: it takes one slice";
+    if (in->width >= (int)extent[0] && in->height >= (int)extent[1]) return NULL;
+    snprintf(needed, 64, "is too small: the plan needs %ux%u texels of it", extent[0], extent[1]);
+    return needed;
+}
+
 static int check_inputs(const hbil_plan *plan, const hbil_frame *frame, const image *inputs, char *error, size_t error_size)
 {
     const uint32_t width = frame->width != 0 ? frame->width : (uint32_t)plan->config.width;
@@ -48,16 +80,16 @@ static int check_inputs(const hbil_plan *plan, const hbil_frame *frame, const im
     for (uint32_t t = 0; t < plan->texture_count; ++t) {
         const hbil_texture *tex = &plan->textures[t];
         uint32_t extent[2];
+        char needed[64];
         if (tex->life != HBIL_LIFE_INPUT) continue;
-        if (hbil_plan_extent(plan, (int32_t)t, width, height, extent) != HBIL_OK) {
-            snprintf(error, error_size, "frame size %ux%u is not in [1, 16384]", width, height);
-            return 0;
-        }
-        if (inputs[t].data == NULL || inputs[t].width < (int)extent[0] || inputs[t].height < (int)extent[1]) {
-            snprintf(error, error_size, "input %s is %s: the plan needs %ux%u texels of it", tex->name,
-                     inputs[t].data == NULL ? "missing" : "too small", extent[0], extent[1]);
-            return 0;
-        }
+        if (hbil_plan_extent(plan, (int32_t)t, width, height, extent) != HBIL_OK)
+            return frame_error(error, error_size, "frame size %ux%u is not in [1, 16384]", width, height);
+        const char *fault = shape_fault(plan, t, &inputs[t], extent, needed);
+        if (fault != NULL) return frame_error(error, error_size, "input %s %s", tex->name, fault);
+        if (tex->dim == HBIL_DIM_2D_MULTISAMPLE && plan->config.sample >= RUNNER_SAMPLES)
+            return frame_error(error, error_size, "input %s: sample %d is asked for, but this program makes textures of %d "
+                               "samples. Set sample to %d or less", tex->name, (int)plan->config.sample, RUNNER_SAMPLES,
+                               RUNNER_SAMPLES - 1);
     }
     return 1;
 }

@@ -37,25 +37,43 @@ typedef struct egl_functions {
 } egl_functions;
 
 #define GL_FUNCTIONS(X)                                    \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                 \
+    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)         \
     X(PFNGLBINDTEXTUREPROC, BindTexture)                   \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)               \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)               \
+    X(PFNGLCREATESHADERPROC, CreateShader)                 \
     X(PFNGLDEBUGMESSAGECALLBACKPROC, DebugMessageCallback) \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)               \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                 \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)             \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)           \
     X(PFNGLENABLEPROC, Enable)                             \
     X(PFNGLGENTEXTURESPROC, GenTextures)                   \
     X(PFNGLGETERRORPROC, GetError)                         \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                   \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                 \
     X(PFNGLGETSTRINGPROC, GetString)                       \
     X(PFNGLGETTEXIMAGEPROC, GetTexImage)                   \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                   \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)               \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                 \
+    X(PFNGLTEXPARAMETERIPROC, TexParameteri)               \
     X(PFNGLTEXSTORAGE2DPROC, TexStorage2D)                 \
-    X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)
+    X(PFNGLTEXSTORAGE2DMULTISAMPLEPROC, TexStorage2DMultisample) \
+    X(PFNGLTEXSTORAGE3DPROC, TexStorage3D)                 \
+    X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)               \
+    X(PFNGLTEXSUBIMAGE3DPROC, TexSubImage3D)               \
+    X(PFNGLUNIFORM1IPROC, Uniform1i)                       \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)
 #define GL_MEMBER(type, name) type name;
 typedef struct gl_functions { GL_FUNCTIONS(GL_MEMBER) } gl_functions;
 
 /* The texture of an input or output, kept from call to call while its shape is the same. */
 typedef struct gl_image {
     GLuint name;
-    GLenum format;
-    int    width, height;
+    GLenum target, format;
+    int    width, height, depth;
 } gl_image;
 
 typedef struct gl_device {
@@ -68,8 +86,10 @@ typedef struct gl_device {
     gl_functions     gl;
     hbil_gl          backend;           /* zeroed while there is none */
     gl_image         images[HBIL_MAX_TEXTURES];
+    GLuint           spread;            /* program that fills multisample textures, made when first needed */
     int              messages;
-    char             scratch[HBIL_GLSL_MAX];
+    const char      *hook;
+    char             scratch[2 * HBIL_GLSL_MAX]; /* room for a hook */
 } gl_device;
 
 /* -------------------------------------------------------------------------------------------------------- contexts */
@@ -244,6 +264,7 @@ static void gl_close(void *device)
     int i;
     if (d->gl.DeleteTextures && make_current(d)) {
         for (i = 0; i < HBIL_MAX_TEXTURES; ++i) d->gl.DeleteTextures(1, &d->images[i].name);
+        d->gl.DeleteProgram(d->spread);
         hbil_gl_shutdown(&d->backend);
     }
     if (d->osmesa_context) d->osmesa.DestroyContext(d->osmesa_context);
@@ -288,20 +309,34 @@ static int gl_messages(const void *device)
 
 /* ------------------------------------------------------------------------------------------------------------- run */
 
-/* The texture for plan texture index, bound; made anew if its shape changed. */
-static GLuint image_texture(gl_device *d, uint32_t index, int width, int height, GLenum format)
+static GLenum target_of(uint16_t dim)
+{
+    static const GLenum targets[] = { GL_TEXTURE_2D, GL_TEXTURE_2D, GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_2D_ARRAY,
+                                      GL_TEXTURE_CUBE_MAP, GL_TEXTURE_3D };
+    return targets[dim];
+}
+
+/* The texture for plan texture index, bound; made anew if its shape changed. depth: of an array and 3D only. */
+static GLuint image_texture(gl_device *d, uint32_t index, GLenum target, int width, int height, int depth, GLenum format)
 {
     gl_image *t = &d->images[index];
-    if (t->name && t->width == width && t->height == height && t->format == format) {
-        d->gl.BindTexture(GL_TEXTURE_2D, t->name);
+    if (t->name && t->target == target && t->width == width && t->height == height && t->depth == depth && t->format == format) {
+        d->gl.BindTexture(target, t->name);
         return t->name;
     }
     d->gl.DeleteTextures(1, &t->name);
     d->gl.GenTextures(1, &t->name);
-    d->gl.BindTexture(GL_TEXTURE_2D, t->name);
-    d->gl.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
+    d->gl.BindTexture(target, t->name);
+    if (target == GL_TEXTURE_2D_MULTISAMPLE)
+        d->gl.TexStorage2DMultisample(target, RUNNER_SAMPLES, format, width, height, GL_TRUE);
+    else if (target == GL_TEXTURE_2D_ARRAY || target == GL_TEXTURE_3D)
+        d->gl.TexStorage3D(target, 1, format, width, height, depth);
+    else
+        d->gl.TexStorage2D(target, 1, format, width, height);
+    t->target = target;
     t->width = width;
     t->height = height;
+    t->depth = depth;
     t->format = format;
     return t->name;
 }
@@ -319,6 +354,87 @@ static int format_channels(hbil_format format)
     return strncmp(name, "rgba", 4) == 0 ? 4 : strncmp(name, "rg", 2) == 0 ? 2 : 1;
 }
 
+/* Copies texture `from` into one sample of the bound multisample texture `to` and garbage into the others. A compute shader
+ * does it: image stores reach single samples, which uploads do not. */
+static int spread(gl_device *d, GLuint from, GLuint to, const image *in, int sample, char *error, size_t error_size)
+{
+    static const char *const text = "#version 430\n"
+        "layout(local_size_x = 8, local_size_y = 8) in;\n"
+        "layout(binding = 0) uniform sampler2D u_from;\n"
+        "layout(binding = 0, rgba32f) uniform writeonly image2DMS u_to;\n"
+        "layout(location = 0) uniform int SAMPLE;\n"
+        "layout(location = 1) uniform int SAMPLES;\n"
+        "void main() {\n"
+        "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+        "    if (any(greaterThanEqual(p, imageSize(u_to)))) return;\n"
+        "    for (int i = 0; i < SAMPLES; ++i) imageStore(u_to, p, i, i == SAMPLE ? texelFetch(u_from, p, 0) : vec4(7e7));\n"
+        "}\n";
+    GLint limit = 0, linked = 0;
+    GLuint shader;
+    d->gl.GetIntegerv(GL_MAX_IMAGE_SAMPLES, &limit);
+    if (limit < RUNNER_SAMPLES)
+        return frame_error(error, error_size, "multisampled inputs: this GL driver stores images of %d samples, %d are needed. "
+                           "Set multisample=no, or use the Vulkan backend", limit, RUNNER_SAMPLES);
+    if (!d->spread) {
+        d->spread = d->gl.CreateProgram();
+        shader = d->gl.CreateShader(GL_COMPUTE_SHADER);
+        d->gl.ShaderSource(shader, 1, &text, NULL);
+        d->gl.CompileShader(shader);
+        d->gl.AttachShader(d->spread, shader);
+        d->gl.LinkProgram(d->spread);
+        d->gl.DeleteShader(shader);
+    }
+    d->gl.GetProgramiv(d->spread, GL_LINK_STATUS, &linked);
+    if (!linked) return frame_error(error, error_size, "multisampled inputs: the GL driver rejects the shader that makes them");
+    d->gl.BindTexture(GL_TEXTURE_2D, from);
+    d->gl.BindImageTexture(0, to, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    d->gl.UseProgram(d->spread);
+    d->gl.Uniform1i(0, sample);
+    d->gl.Uniform1i(1, RUNNER_SAMPLES);
+    d->gl.DispatchCompute((GLuint)(in->width + 7) / 8, (GLuint)(in->height + 7) / 8, 1);
+    d->gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    d->gl.UseProgram(0);
+    d->gl.BindImageTexture(0, 0, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA8);
+    return 1;
+}
+
+/* A multisampled input, by way of a plain texture. */
+static GLuint fill_samples(gl_device *d, uint32_t index, const image *in, int sample, char *error, size_t error_size)
+{
+    GLuint plain = 0, to = image_texture(d, index, GL_TEXTURE_2D_MULTISAMPLE, in->width, in->height, 1, GL_RGBA32F);
+    int ok;
+    d->gl.GenTextures(1, &plain);
+    d->gl.BindTexture(GL_TEXTURE_2D, plain);
+    d->gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA32F, in->width, in->height);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    d->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    d->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, in->width, in->height, pixel_format(in->channels), GL_FLOAT, in->data);
+    ok = spread(d, plain, to, in, sample, error, error_size);
+    d->gl.DeleteTextures(1, &plain);
+    return ok ? to : 0;
+}
+
+/* The texture of an input with its content; 0: error[] says why. */
+static GLuint fill_input(gl_device *d, const hbil_plan *plan, uint32_t index, const image *in, char *error, size_t error_size)
+{
+    GLenum target = target_of(plan->textures[index].dim), pixels = pixel_format(in->channels);
+    GLenum format = in->channels == 1 ? GL_R32F : GL_RGBA32F;
+    size_t slice = (size_t)in->width * (size_t)in->height * (size_t)in->channels;
+    int depth = target == GL_TEXTURE_3D ? image_slices(in) : 1, face;
+    GLuint name;
+    if (target == GL_TEXTURE_2D_MULTISAMPLE) return fill_samples(d, index, in, (int)plan->config.sample, error, error_size);
+    name = image_texture(d, index, target, in->width, in->height, depth, format);
+    if (target == GL_TEXTURE_3D)
+        d->gl.TexSubImage3D(target, 0, 0, 0, 0, in->width, in->height, depth, pixels, GL_FLOAT, in->data);
+    else if (target == GL_TEXTURE_CUBE_MAP)
+        for (face = 0; face < 6; ++face)
+            d->gl.TexSubImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)face, 0, 0, 0, in->width, in->height, pixels, GL_FLOAT,
+                                in->data + (size_t)face * slice);
+    else
+        d->gl.TexSubImage2D(target, 0, 0, 0, in->width, in->height, pixels, GL_FLOAT, in->data);
+    return name;
+}
+
 /* Makes the textures of yours that the plan binds, fills the inputs, makes the output images. GL pads rgb to rgba itself. */
 static int set_images(gl_device *d, const hbil_plan *plan, uint32_t width, uint32_t height, const image *inputs, image *outputs,
                       char *error, size_t error_size)
@@ -327,18 +443,17 @@ static int set_images(gl_device *d, const hbil_plan *plan, uint32_t width, uint3
     uint32_t i, extent[2];
     for (i = 0; i < plan->texture_count; ++i) {
         const hbil_texture *t = &plan->textures[i];
-        const image *in = &inputs[i];
         if (t->life == HBIL_LIFE_INPUT) {
-            names[i] = image_texture(d, i, in->width, in->height, in->channels == 1 ? GL_R32F : GL_RGBA32F);
-            d->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, in->width, in->height, pixel_format(in->channels), GL_FLOAT, in->data);
+            names[i] = fill_input(d, plan, i, &inputs[i], error, error_size);
+            if (!names[i]) return 0;
         } else if (t->life == HBIL_LIFE_OUTPUT) {
             hbil_format format = (hbil_format)t->format;
             if (hbil_plan_extent(plan, (int32_t)i, width, height, extent) != HBIL_OK ||
-                !image_make(&outputs[i], (int)extent[0], (int)extent[1], format_channels(format))) {
+                !image_make_slices(&outputs[i], (int)extent[0], (int)extent[1], t->layers, format_channels(format))) {
                 snprintf(error, error_size, "output %s cannot be made for a frame of %u x %u", t->name, width, height);
                 return 0;
             }
-            names[i] = image_texture(d, i, (int)extent[0], (int)extent[1], hbil_gl_format(format));
+            names[i] = image_texture(d, i, target_of(t->dim), (int)extent[0], (int)extent[1], t->layers, hbil_gl_format(format));
         }
     }
     if (hbil_gl_resize(&d->backend, width, height, names) == HBIL_GL_OK) return 1;
@@ -352,8 +467,8 @@ static void read_outputs(gl_device *d, const hbil_plan *plan, image *outputs)
     d->gl.MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT); /* image stores before glGetTexImage */
     for (i = 0; i < plan->texture_count; ++i)
         if (plan->textures[i].life == HBIL_LIFE_OUTPUT) {
-            d->gl.BindTexture(GL_TEXTURE_2D, d->images[i].name);
-            d->gl.GetTexImage(GL_TEXTURE_2D, 0, pixel_format(outputs[i].channels), GL_FLOAT, outputs[i].data);
+            d->gl.BindTexture(d->images[i].target, d->images[i].name);
+            d->gl.GetTexImage(d->images[i].target, 0, pixel_format(outputs[i].channels), GL_FLOAT, outputs[i].data);
         }
 }
 
@@ -367,8 +482,17 @@ static int set_plan(gl_device *d, const hbil_plan *plan)
     info.user = d;
     info.scratch = d->scratch;
     info.scratch_size = sizeof d->scratch;
+    info.hook = d->hook;
     info.timings = 1;
     return hbil_gl_init(&info, &d->backend) == HBIL_GL_OK;
+}
+
+/* Programs hold the old text: they go. */
+static void gl_set_hook(void *device, const char *text)
+{
+    gl_device *d = (gl_device *)device;
+    d->hook = text;
+    if (make_current(d)) hbil_gl_shutdown(&d->backend);
 }
 
 static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
@@ -404,4 +528,4 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     return 1;
 }
 
-const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_run };
+const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_run };

@@ -17,15 +17,29 @@
 #include "../../backends/hbil_glslang.h"
 #include "runner_internal.h"
 
+/* What a texture is made of. slices: layers, faces or z. */
+typedef struct vk_shape {
+    VkFormat format;
+    uint32_t width, height, slices;
+    uint16_t dim;                           /* hbil_dim */
+} vk_shape;
+
 /* An INPUT or OUTPUT of the plan, kept from call to call while its shape is the same. */
 typedef struct vk_image {
     VkImage        image;
     VkDeviceMemory memory;
     VkImageView    view;
-    VkFormat       format;
-    uint32_t       width, height;
+    vk_shape       shape;
     VkDeviceSize   offset;                  /* of its texels in the staging buffer */
 } vk_image;
+
+/* The shader that fills multisampled textures from the staging buffer, made when first needed. */
+typedef struct vk_spread {
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout      layout;
+    VkPipeline            pipeline;
+    VkDescriptorPool      pool;
+} vk_spread;
 
 typedef struct vk_device {
     VkInstance                       instance;
@@ -46,8 +60,11 @@ typedef struct vk_device {
     VkDeviceMemory                   staging_memory;
     VkDeviceSize                     staging_size;
     char                            *staged;  /* its mapping */
+    int                              multisample; /* shaders may store into multisampled images */
+    vk_spread                        spread;
 
     int                              compiler, messages;
+    const char                      *hook;
     char                            *error;   /* of the running call */
     size_t                           error_size;
 } vk_device;
@@ -184,6 +201,12 @@ static int make_device(vk_device *d)
     queue.pQueuePriorities = &priority;
     device.queueCreateInfoCount = 1;
     device.pQueueCreateInfos = &queue;
+    ZEROED(VkPhysicalDeviceFeatures, features);
+    ZEROED(VkPhysicalDeviceFeatures, wanted);
+    vkGetPhysicalDeviceFeatures(d->gpu, &features);
+    wanted.shaderStorageImageMultisample = features.shaderStorageImageMultisample; /* for inputs of ours, not for hbil_vk.h */
+    d->multisample = features.shaderStorageImageMultisample != 0;
+    device.pEnabledFeatures = &wanted;
     TRY(d, vkCreateDevice, (d->gpu, &device, NULL, &d->device));
     vkGetDeviceQueue(d->device, d->family, 0, &d->queue);
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
@@ -234,6 +257,15 @@ static void drop_staging(vk_device *d)
     d->staging_size = 0;
 }
 
+static void drop_spread(vk_device *d)
+{
+    vkDestroyPipeline(d->device, d->spread.pipeline, NULL);
+    vkDestroyPipelineLayout(d->device, d->spread.layout, NULL);
+    vkDestroyDescriptorPool(d->device, d->spread.pool, NULL);
+    vkDestroyDescriptorSetLayout(d->device, d->spread.set_layout, NULL);
+    memset(&d->spread, 0, sizeof d->spread);
+}
+
 static void vk_close(void *device)
 {
     vk_device *d = (vk_device *)device;
@@ -241,6 +273,7 @@ static void vk_close(void *device)
         hbil_vk_shutdown(&d->backend);
         for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) drop_image(d, &d->images[t]);
         drop_staging(d);
+        drop_spread(d);
         vkDestroyFence(d->device, d->fence, NULL);
         vkDestroyCommandPool(d->device, d->pool, NULL);
         vkDestroyDevice(d->device, NULL);
@@ -296,33 +329,67 @@ static int allocate(vk_device *d, const VkMemoryRequirements *need, VkMemoryProp
     return FAIL(d, "no memory type of this device has the properties 0x%x", flags);
 }
 
-static int make_image(vk_device *d, vk_image *t, VkFormat format, uint32_t width, uint32_t height, VkImageUsageFlags usage)
+/* Can the device do with such an image what this program does with it? */
+static int check_shape(vk_device *d, const char *name, const vk_shape *s, const VkImageCreateInfo *info)
+{
+    VkImageFormatProperties can;
+    VkFormatProperties format;
+    vkGetPhysicalDeviceFormatProperties(d->gpu, s->format, &format);
+    if ((s->dim == HBIL_DIM_CUBE || s->dim == HBIL_DIM_3D) &&
+        !(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
+        return FAIL(d, "input %s: this device does not filter 32-bit floats. Use another one, or the gl backend", name);
+    if (s->dim == HBIL_DIM_2D_MULTISAMPLE && !d->multisample)
+        return FAIL(d, "input %s: this device does not store into multisampled images. Set multisample=no, or use the gl backend",
+                    name);
+    if (vkGetPhysicalDeviceImageFormatProperties(d->gpu, info->format, info->imageType, info->tiling, info->usage, info->flags,
+                                                 &can) != VK_SUCCESS || !(can.sampleCounts & info->samples) ||
+        can.maxExtent.width < info->extent.width || can.maxExtent.height < info->extent.height ||
+        can.maxExtent.depth < info->extent.depth || can.maxArrayLayers < info->arrayLayers)
+        return FAIL(d, "%s: this device has no images of %ux%ux%u floats in that shape. Make it smaller", name, s->width,
+                    s->height, s->slices);
+    return 1;
+}
+
+static VkImageCreateInfo image_info(const vk_shape *s, VkImageUsageFlags usage)
 {
     STRUCT(VkImageCreateInfo, info, IMAGE_CREATE_INFO);
+    info.imageType = s->dim == HBIL_DIM_3D ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D;
+    info.flags = s->dim == HBIL_DIM_CUBE ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0;
+    info.format = s->format;
+    info.extent.width = s->width;
+    info.extent.height = s->height;
+    info.extent.depth = s->dim == HBIL_DIM_3D ? s->slices : 1;
+    info.mipLevels = 1;
+    info.arrayLayers = s->dim == HBIL_DIM_3D ? 1 : s->slices;
+    info.samples = s->dim == HBIL_DIM_2D_MULTISAMPLE ? (VkSampleCountFlagBits)RUNNER_SAMPLES : VK_SAMPLE_COUNT_1_BIT;
+    info.usage = usage | VK_IMAGE_USAGE_SAMPLED_BIT;
+    return info;
+}
+
+static int make_image(vk_device *d, vk_image *t, const char *name, const vk_shape *s, VkImageUsageFlags usage)
+{
+    static const VkImageViewType types[] = { VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_2D,
+                                             VK_IMAGE_VIEW_TYPE_2D_ARRAY, VK_IMAGE_VIEW_TYPE_CUBE, VK_IMAGE_VIEW_TYPE_3D };
+    const vk_shape *old = &t->shape;
+    const VkImageCreateInfo info = image_info(s, usage);
     STRUCT(VkImageViewCreateInfo, view, IMAGE_VIEW_CREATE_INFO);
     VkMemoryRequirements need;
-    if (t->view != VK_NULL_HANDLE && t->format == format && t->width == width && t->height == height) return 1;
+    if (t->view != VK_NULL_HANDLE && old->format == s->format && old->width == s->width && old->height == s->height &&
+        old->slices == s->slices && old->dim == s->dim) return 1;
     drop_image(d, t);
-    info.imageType = VK_IMAGE_TYPE_2D;
-    info.format = format;
-    info.extent.width = width;
-    info.extent.height = height;
-    info.extent.depth = info.mipLevels = info.arrayLayers = 1;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
-    info.usage = usage | VK_IMAGE_USAGE_SAMPLED_BIT;
+    if (!check_shape(d, name, s, &info)) return 0;
     TRY(d, vkCreateImage, (d->device, &info, NULL, &t->image));
     vkGetImageMemoryRequirements(d->device, t->image, &need);
     if (!allocate(d, &need, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, &t->memory)) return 0;
     TRY(d, vkBindImageMemory, (d->device, t->image, t->memory, 0));
     view.image = t->image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    view.format = format;
+    view.viewType = types[s->dim];
+    view.format = s->format;
     view.subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
-    view.subresourceRange.levelCount = view.subresourceRange.layerCount = 1;
+    view.subresourceRange.levelCount = 1;
+    view.subresourceRange.layerCount = VK_REMAINING_ARRAY_LAYERS;
     TRY(d, vkCreateImageView, (d->device, &view, NULL, &t->view));
-    t->format = format;
-    t->width = width;
-    t->height = height;
+    t->shape = *s;
     return 1;
 }
 
@@ -335,7 +402,7 @@ static int make_staging(vk_device *d, VkDeviceSize size)
     if (size <= d->staging_size) return 1;
     drop_staging(d);
     buffer.size = size;
-    buffer.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    buffer.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     TRY(d, vkCreateBuffer, (d->device, &buffer, NULL, &d->staging));
     vkGetBufferMemoryRequirements(d->device, d->staging, &need);
     /* cached memory reads back fast, but not every device has it */
@@ -389,7 +456,8 @@ static void transition(vk_device *d, const vk_image *t, VkImageLayout before, Vk
     info.srcQueueFamilyIndex = info.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     info.image = t->image;
     info.subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
-    info.subresourceRange.levelCount = info.subresourceRange.layerCount = 1;
+    info.subresourceRange.levelCount = 1;
+    info.subresourceRange.layerCount = VK_REMAINING_ARRAY_LAYERS;
     vkCmdPipelineBarrier(d->cmd, VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                          VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, NULL, 0, NULL, 1, &info);
 }
@@ -399,14 +467,16 @@ static VkBufferImageCopy copy_region(const vk_image *t)
     ZEROED(VkBufferImageCopy, copy);
     copy.bufferOffset = t->offset;
     copy.imageSubresource.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
-    copy.imageSubresource.layerCount = 1;
-    copy.imageExtent.width = t->width;
-    copy.imageExtent.height = t->height;
-    copy.imageExtent.depth = 1;
+    copy.imageSubresource.layerCount = t->shape.dim == HBIL_DIM_3D ? 1 : t->shape.slices;
+    copy.imageExtent.width = t->shape.width;
+    copy.imageExtent.height = t->shape.height;
+    copy.imageExtent.depth = t->shape.dim == HBIL_DIM_3D ? t->shape.slices : 1;
     return copy;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ run */
+
+enum { CAP_TEXT = 2 * HBIL_GLSL_MAX }; /* room for a hook */
 
 /* Compile every pass; the words of all follow each other in `words`. */
 static int compile(vk_device *d, const hbil_plan *plan, char *text, uint32_t *words, size_t cap_words, hbil_vk_info *info)
@@ -415,8 +485,11 @@ static int compile(vk_device *d, const hbil_plan *plan, char *text, uint32_t *wo
     size_t used = 0;
     for (uint32_t p = 0; p < plan->pass_count; ++p) {
         size_t need = 0;
-        const hbil_result emitted = hbil_emit_glsl(plan, (int32_t)p, text, HBIL_GLSL_MAX, NULL);
-        if (emitted != HBIL_OK) return FAIL(d, "pass %s: %s", plan->passes[p].name, hbil_result_name(emitted));
+        ZEROED(hbil_diag, diag);
+        hbil_diags diags = { &diag, 1, 0 };
+        const hbil_result emitted = hbil_emit_glsl_hook(plan, (int32_t)p, d->hook, text, CAP_TEXT, NULL, &diags);
+        if (emitted != HBIL_OK)
+            return FAIL(d, "pass %s: %s", plan->passes[p].name, diags.count > 0 ? diag.text : hbil_result_name(emitted));
         const hbil_glslang_result result = hbil_glslang_compile(text, (hbil_target)plan->config.target, words + used,
                                                                 cap_words - used, &need, log, sizeof log);
         if (result == HBIL_GLSLANG_E_SPACE)
@@ -436,7 +509,7 @@ static int set_plan(vk_device *d, const hbil_plan *plan)
     if (memcmp(&d->backend.plan, plan, sizeof *plan) == 0) return 1;
     hbil_vk_shutdown(&d->backend);
     for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) drop_image(d, &d->images[t]); /* an input there may be an output here */
-    char *text = (char *)malloc(HBIL_GLSL_MAX);
+    char *text = (char *)malloc(CAP_TEXT);
     uint32_t *words = (uint32_t *)malloc(CAP_WORDS * sizeof *words);
     int ok = text != NULL && words != NULL ? compile(d, plan, text, words, CAP_WORDS, &info) : FAIL(d, "out of memory");
     if (ok) {
@@ -460,64 +533,207 @@ static int output_channels(VkFormat format)
     return format == VK_FORMAT_R32_SFLOAT ? 1 : format == VK_FORMAT_R32G32B32A32_SFLOAT ? 4 : 0;
 }
 
+/* The shape of an INPUT or OUTPUT; makes the image that the caller gets of an OUTPUT. */
+static int shape_of(vk_device *d, const hbil_plan *plan, uint32_t i, const uint32_t size[2], const image *in, image *out,
+                    vk_shape *s)
+{
+    const hbil_texture *tex = &plan->textures[i];
+    uint32_t extent[2] = { 0, 0 };
+    memset(s, 0, sizeof *s);
+    s->dim = tex->dim;
+    if (tex->life == HBIL_LIFE_INPUT) {
+        const int single = in->channels == 1 && tex->dim != HBIL_DIM_2D_MULTISAMPLE; /* spread() stores four */
+        s->format = single ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32G32B32A32_SFLOAT;
+        s->width = (uint32_t)in->width;
+        s->height = (uint32_t)in->height;
+        s->slices = (uint32_t)image_slices(in);
+        return 1;
+    }
+    s->format = hbil_vk_format((hbil_format)tex->format);
+    if (output_channels(s->format) == 0) return FAIL(d, "output %s does not hold floats", tex->name);
+    if (hbil_plan_extent(plan, (int32_t)i, size[0], size[1], extent) != HBIL_OK ||
+        !image_make_slices(out, (int)extent[0], (int)extent[1], tex->layers, output_channels(s->format)))
+        return FAIL(d, "output %s cannot be made for a frame of %ux%u", tex->name, size[0], size[1]);
+    s->width = extent[0];
+    s->height = extent[1];
+    s->slices = tex->layers;
+    return 1;
+}
+
 /* Images of the plan's inputs and outputs, places in the staging buffer, and the images that the caller gets. */
-static int set_images(vk_device *d, const hbil_plan *plan, uint32_t width, uint32_t height, const image *inputs, image *outputs)
+static int set_images(vk_device *d, const hbil_plan *plan, const uint32_t size[2], const image *inputs, image *outputs)
 {
     VkImageView views[HBIL_MAX_TEXTURES];
-    VkDeviceSize size = 0;
+    VkDeviceSize used = 0;
     memset(views, 0, sizeof views);
     for (uint32_t i = 0; i < plan->texture_count; ++i) {
         const hbil_texture *tex = &plan->textures[i];
         vk_image *t = &d->images[i];
-        uint32_t extent[2] = { (uint32_t)inputs[i].width, (uint32_t)inputs[i].height };
-        VkFormat format = inputs[i].channels == 1 ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32G32B32A32_SFLOAT;
+        vk_shape shape;
         VkImageUsageFlags usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         if (tex->life != HBIL_LIFE_INPUT && tex->life != HBIL_LIFE_OUTPUT) continue;
-        if (tex->life == HBIL_LIFE_OUTPUT) {
-            format = hbil_vk_format((hbil_format)tex->format);
-            usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
-            if (output_channels(format) == 0) return FAIL(d, "output %s does not hold floats", tex->name);
-            if (hbil_plan_extent(plan, (int32_t)i, width, height, extent) != HBIL_OK ||
-                !image_make(&outputs[i], (int)extent[0], (int)extent[1], output_channels(format)))
-                return FAIL(d, "output %s cannot be made for a frame of %ux%u", tex->name, width, height);
-        }
-        if (!make_image(d, t, format, extent[0], extent[1], usage)) return 0;
+        if (!shape_of(d, plan, i, size, &inputs[i], &outputs[i], &shape)) return 0;
+        if (tex->life == HBIL_LIFE_OUTPUT) usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+        if (shape.dim == HBIL_DIM_2D_MULTISAMPLE) usage = VK_IMAGE_USAGE_STORAGE_BIT;
+        if (!make_image(d, t, tex->name, &shape, usage)) return 0;
         views[i] = t->view;
-        t->offset = size;
-        size += (VkDeviceSize)t->width * t->height * 4 * sizeof(float); /* room for four channels keeps offsets aligned */
+        t->offset = used;
+        /* room for four channels keeps offsets aligned, even for a storage buffer */
+        used += ((VkDeviceSize)shape.width * shape.height * shape.slices * 4 * sizeof(float) + 255) / 256 * 256;
     }
-    if (!make_staging(d, size)) return 0;
-    return hbil_vk_resize(&d->backend, width, height, views) == HBIL_VK_OK || FAIL(d, "%s", d->backend.message);
+    if (!make_staging(d, used)) return 0;
+    return hbil_vk_resize(&d->backend, size[0], size[1], views) == HBIL_VK_OK || FAIL(d, "%s", d->backend.message);
 }
 
 /* One or four floats a texel: rgb formats are not texture formats on most devices. */
-static void stage(char *to, const image *in)
+static void stage(char *to, const image *in, VkFormat format)
 {
-    const size_t texels = (size_t)in->width * (size_t)in->height, channels = (size_t)in->channels;
-    const size_t stride = (channels == 1 ? 1 : 4) * sizeof(float);
+    const size_t texels = (size_t)in->width * (size_t)in->height * (size_t)image_slices(in), channels = (size_t)in->channels;
+    const size_t stride = (format == VK_FORMAT_R32_SFLOAT ? 1 : 4) * sizeof(float);
     for (size_t i = 0; i < texels; ++i) {
         memset(to + i * stride, 0, stride);
         memcpy(to + i * stride, in->data + i * channels, channels * sizeof(float));
     }
 }
 
+/* ------------------------------------------------------------------------------------------------- multisampled inputs */
+
+static int make_spread_layout(vk_device *d)
+{
+    const VkDescriptorPoolSize sizes[2] = { { VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, HBIL_MAX_TEXTURES },
+                                            { VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, HBIL_MAX_TEXTURES } };
+    const VkPushConstantRange range = { VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(int32_t) };
+    VkDescriptorSetLayoutBinding bindings[2];
+    STRUCT(VkDescriptorSetLayoutCreateInfo, set, DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
+    STRUCT(VkPipelineLayoutCreateInfo, layout, PIPELINE_LAYOUT_CREATE_INFO);
+    STRUCT(VkDescriptorPoolCreateInfo, pool, DESCRIPTOR_POOL_CREATE_INFO);
+    memset(bindings, 0, sizeof bindings);
+    for (uint32_t i = 0; i < 2; ++i) {
+        bindings[i].binding = i;
+        bindings[i].descriptorType = sizes[i].type;
+        bindings[i].descriptorCount = 1;
+        bindings[i].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+    }
+    set.bindingCount = 2;
+    set.pBindings = bindings;
+    TRY(d, vkCreateDescriptorSetLayout, (d->device, &set, NULL, &d->spread.set_layout));
+    layout.setLayoutCount = 1;
+    layout.pSetLayouts = &d->spread.set_layout;
+    layout.pushConstantRangeCount = 1;
+    layout.pPushConstantRanges = &range;
+    TRY(d, vkCreatePipelineLayout, (d->device, &layout, NULL, &d->spread.layout));
+    pool.maxSets = HBIL_MAX_TEXTURES;
+    pool.poolSizeCount = 2;
+    pool.pPoolSizes = sizes;
+    TRY(d, vkCreateDescriptorPool, (d->device, &pool, NULL, &d->spread.pool));
+    return 1;
+}
+
+static int make_spread_pipeline(vk_device *d)
+{
+    enum { WORDS = 4096 };
+    static const char *const text = "#version 450\n"
+        "layout(local_size_x = 8, local_size_y = 8) in;\n"
+        "layout(set = 0, binding = 0, std430) readonly buffer from { vec4 u_from[]; };\n"
+        "layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DMS u_to;\n"
+        "layout(push_constant) uniform block { int SAMPLE; };\n"
+        "void main() {\n"
+        "    ivec2 p = ivec2(gl_GlobalInvocationID.xy), size = imageSize(u_to);\n"
+        "    if (any(greaterThanEqual(p, size))) return;\n"
+        "    for (int i = 0; i < imageSamples(u_to); ++i)\n"
+        "        imageStore(u_to, p, i, i == SAMPLE ? u_from[p.y * size.x + p.x] : vec4(7e7));\n"
+        "}\n";
+    uint32_t words[WORDS];
+    size_t need = 0;
+    char log[256];
+    STRUCT(VkShaderModuleCreateInfo, module, SHADER_MODULE_CREATE_INFO);
+    STRUCT(VkComputePipelineCreateInfo, pipeline, COMPUTE_PIPELINE_CREATE_INFO);
+    if (hbil_glslang_compile(text, HBIL_TARGET_VULKAN, words, WORDS, &need, log, sizeof log) != HBIL_GLSLANG_OK)
+        return FAIL(d, "multisampled inputs: %s", log);
+    module.codeSize = need * sizeof *words;
+    module.pCode = words;
+    pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    pipeline.stage.pName = "main";
+    pipeline.layout = d->spread.layout;
+    TRY(d, vkCreateShaderModule, (d->device, &module, NULL, &pipeline.stage.module));
+    const VkResult made = vkCreateComputePipelines(d->device, VK_NULL_HANDLE, 1, &pipeline, NULL, &d->spread.pipeline);
+    vkDestroyShaderModule(d->device, pipeline.stage.module, NULL);
+    return made == VK_SUCCESS || FAIL(d, "multisampled inputs: vkCreateComputePipelines returned VkResult %d", (int)made);
+}
+
+/* Record: texels of the staging buffer to one sample of an image in GENERAL, garbage to the others. A shader does it: image
+ * stores reach single samples, which copies do not. */
+static int spread(vk_device *d, const vk_image *t, int32_t sample)
+{
+    const VkDeviceSize bytes = (VkDeviceSize)t->shape.width * t->shape.height * 4 * sizeof(float);
+    const VkDescriptorBufferInfo buffer = { d->staging, t->offset, bytes };
+    const VkDescriptorImageInfo to = { VK_NULL_HANDLE, t->view, VK_IMAGE_LAYOUT_GENERAL };
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    VkWriteDescriptorSet writes[2];
+    STRUCT(VkDescriptorSetAllocateInfo, info, DESCRIPTOR_SET_ALLOCATE_INFO);
+    info.descriptorPool = d->spread.pool;
+    info.descriptorSetCount = 1;
+    info.pSetLayouts = &d->spread.set_layout;
+    TRY(d, vkAllocateDescriptorSets, (d->device, &info, &set));
+    memset(writes, 0, sizeof writes);
+    for (uint32_t i = 0; i < 2; ++i) {
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = set;
+        writes[i].dstBinding = i;
+        writes[i].descriptorCount = 1;
+    }
+    writes[0].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[0].pBufferInfo = &buffer;
+    writes[1].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    writes[1].pImageInfo = &to;
+    vkUpdateDescriptorSets(d->device, 2, writes, 0, NULL);
+    vkCmdBindPipeline(d->cmd, VK_PIPELINE_BIND_POINT_COMPUTE, d->spread.pipeline);
+    vkCmdBindDescriptorSets(d->cmd, VK_PIPELINE_BIND_POINT_COMPUTE, d->spread.layout, 0, 1, &set, 0, NULL);
+    vkCmdPushConstants(d->cmd, d->spread.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof sample, &sample);
+    vkCmdDispatch(d->cmd, (t->shape.width + 7) / 8, (t->shape.height + 7) / 8, 1);
+    return 1;
+}
+
+/* Sets of the last upload are free again: it has been waited for. */
+static int start_spread(vk_device *d)
+{
+    if (d->spread.pipeline == VK_NULL_HANDLE) {
+        drop_spread(d);
+        if (!make_spread_layout(d) || !make_spread_pipeline(d)) return 0;
+    }
+    TRY(d, vkResetDescriptorPool, (d->device, d->spread.pool, 0));
+    return 1;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- frame by frame */
+
+static int upload_one(vk_device *d, const hbil_plan *plan, uint32_t i, const image *in)
+{
+    const vk_image *t = &d->images[i];
+    const VkBufferImageCopy copy = copy_region(t);
+    const int samples = plan->textures[i].dim == HBIL_DIM_2D_MULTISAMPLE;
+    const VkImageLayout fill = samples ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    const VkAccessFlags access = samples ? VK_ACCESS_SHADER_WRITE_BIT : VK_ACCESS_TRANSFER_WRITE_BIT;
+    stage(d->staged + t->offset, in, t->shape.format);
+    transition(d, t, VK_IMAGE_LAYOUT_UNDEFINED, fill, 0, access);
+    if (!samples) vkCmdCopyBufferToImage(d->cmd, d->staging, t->image, fill, 1, &copy);
+    else if (!spread(d, t, plan->config.sample)) return 0;
+    transition(d, t, fill, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, access, VK_ACCESS_SHADER_READ_BIT);
+    return 1;
+}
+
 static int upload(vk_device *d, const hbil_plan *plan, const image *inputs)
 {
+    int ok = 1;
+    if (plan->config.multisample == HBIL_MULTISAMPLE_YES && !start_spread(d)) return 0;
     if (!begin(d)) return 0;
-    for (uint32_t i = 0; i < plan->texture_count; ++i) {
-        const vk_image *t = &d->images[i];
-        const VkBufferImageCopy copy = copy_region(t);
-        if (plan->textures[i].life == HBIL_LIFE_INPUT) {
-            stage(d->staged + t->offset, &inputs[i]);
-            transition(d, t, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0, VK_ACCESS_TRANSFER_WRITE_BIT);
-            vkCmdCopyBufferToImage(d->cmd, d->staging, t->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-            transition(d, t, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                       VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_SHADER_READ_BIT);
-        } else if (plan->textures[i].life == HBIL_LIFE_OUTPUT) {
-            transition(d, t, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, 0, VK_ACCESS_SHADER_WRITE_BIT);
-        }
+    for (uint32_t i = 0; i < plan->texture_count && ok; ++i) {
+        if (plan->textures[i].life == HBIL_LIFE_INPUT) ok = upload_one(d, plan, i, &inputs[i]);
+        if (plan->textures[i].life == HBIL_LIFE_OUTPUT)
+            transition(d, &d->images[i], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, 0, VK_ACCESS_SHADER_WRITE_BIT);
     }
-    return finish(d);
+    return finish(d) && ok;
 }
 
 static int execute(vk_device *d, const hbil_frame *frame, double *ms)
@@ -546,24 +762,33 @@ static int read_back(vk_device *d, const hbil_plan *plan, image *outputs)
     if (!finish(d)) return 0;
     for (uint32_t i = 0; i < plan->texture_count; ++i) {
         image *out = &outputs[i];
-        const size_t bytes = (size_t)out->width * (size_t)out->height * (size_t)out->channels * sizeof(float);
+        const size_t texels = (size_t)out->width * (size_t)out->height * (size_t)image_slices(out);
+        const size_t bytes = texels * (size_t)out->channels * sizeof(float);
         if (plan->textures[i].life == HBIL_LIFE_OUTPUT) memcpy(out->data, d->staged + d->images[i].offset, bytes);
     }
     return 1;
+}
+
+/* Pipelines hold the old text: they go. */
+static void vk_set_hook(void *device, const char *text)
+{
+    vk_device *d = (vk_device *)device;
+    d->hook = text;
+    hbil_vk_shutdown(&d->backend);
 }
 
 static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                   image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
     vk_device *d = (vk_device *)device;
-    const uint32_t width = frame->width != 0 ? frame->width : (uint32_t)plan->config.width;
-    const uint32_t height = frame->height != 0 ? frame->height : (uint32_t)plan->config.height;
+    const uint32_t size[2] = { frame->width != 0 ? frame->width : (uint32_t)plan->config.width,
+                               frame->height != 0 ? frame->height : (uint32_t)plan->config.height };
     d->error = error;
     d->error_size = error_size;
-    if (!set_plan(d, plan) || !set_images(d, plan, width, height, inputs, outputs) || !upload(d, plan, inputs)) return 0;
+    if (!set_plan(d, plan) || !set_images(d, plan, size, inputs, outputs) || !upload(d, plan, inputs)) return 0;
     for (int i = 0; i < repeat; ++i)
         if (!execute(d, frame, ms != NULL ? ms + (size_t)i * plan->pass_count : NULL)) return 0;
     return read_back(d, plan, outputs);
 }
 
-const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_run };
+const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_set_hook, vk_run };

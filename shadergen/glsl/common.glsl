@@ -6,6 +6,9 @@ const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m
 //@ chunk HBIL_RADIANCE_MAX
 const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite
 
+//@ chunk HBIL_PI
+const float HBIL_PI = 3.141592654;
+
 //@ chunk hbil_position
 // Point seen at a pixel position (centres at .5) and view depth. m
 vec3 hbil_position(vec2 pixel, float z) {
@@ -68,4 +71,31 @@ vec3 hbil_decode_normal(uint code) {
     float fold = max(n.z, 0.0);
     n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));
     return normalize(n);
+}
+
+//@ chunk hbil_load_depth
+float hbil_load_depth(ivec2 p) {
+    return texelFetch(u_view_depth, p, 0).r;
+}
+
+//@ chunk hbil_load_normal
+vec3 hbil_load_normal(ivec2 p) {
+    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);
+}
+
+//@ chunk hbil_direction
+// Unit vector along v; `other` where v is nothing.
+vec3 hbil_direction(vec3 v, vec3 other) {
+    float l2 = dot(v, v);
+    return l2 > 1e-12 ? v * inversesqrt(l2) : other;
+}
+
+//@ chunk hbil_diffuse
+// Part of the light that a surface does not mirror: 1 - F0. Metals get none.
+vec3 hbil_diffuse(ivec2 p) {
+#if HBIL_F0_RGB
+    return 1.0 - clamp(texelFetch(u_f0, p, 0).rgb, 0.0, 1.0);
+#else
+    return vec3(1.0 - clamp(texelFetch(u_f0, p, 0).r, 0.0, 1.0));
+#endif
 }

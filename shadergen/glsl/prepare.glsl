@@ -2,7 +2,11 @@
 
 //@ chunk hbil_load_raw_depth
 float hbil_load_raw_depth(ivec2 p) {
+#if HBIL_MULTISAMPLE_YES
+    return texelFetch(u_depth, p, HBIL_SAMPLE).r;
+#else
     return texelFetch(u_depth, p, 0).r;
+#endif
 }
 
 //@ chunk hbil_view_depth
@@ -35,10 +39,46 @@ float hbil_view_depth(ivec2 p) {
 #endif
 }
 
-//@ chunk hbil_load_normal
+//@ chunk hbil_unfold
+#if HBIL_NORMAL_ENCODING_OCTAHEDRAL || HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM || HBIL_NORMAL_ENCODING_OCTAHEDRAL_888
+// Vector of an octahedral map with +z in its middle, not normalised. o in [-1, 1]
+vec3 hbil_unfold(vec2 o) {
+    vec3 n = vec3(o, 1.0 - abs(o.x) - abs(o.y));
+    float fold = max(-n.z, 0.0);
+    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));
+    return n;
+}
+#endif
+
+//@ chunk hbil_load_raw_normal
 #if !HBIL_NORMALS_DEPTH
-vec3 hbil_load_normal(ivec2 p) {
-    return texelFetch(u_normal, p, 0).xyz;
+// The normal as its channels say, not normalised.
+vec3 hbil_load_raw_normal(ivec2 p) {
+#if HBIL_MULTISAMPLE_YES
+    vec3 t = texelFetch(u_normal, p, HBIL_SAMPLE).xyz;
+#else
+    vec3 t = texelFetch(u_normal, p, 0).xyz;
+#endif
+#if HBIL_NORMAL_ENCODING_XYZ_UNORM
+    return t * 2.0 - 1.0;
+#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL
+    return hbil_unfold(t.xy);
+#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_UNORM
+    return hbil_unfold(t.xy * 2.0 - 1.0);
+#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888
+    // low bytes of x and y, then their high halves in one byte
+    uvec3 b = uvec3(clamp(t, 0.0, 1.0) * 255.0 + 0.5);
+    uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);
+    return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);
+#elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM
+#if HBIL_NORMAL_ENCODING_XY_UNORM
+    t = t * 2.0 - 1.0;
+#endif
+    // quantised channels may be longer than 1: the root is guarded. z towards the camera
+    return vec3(t.xy, -HBIL_VIEW_Z * sqrt(max(1.0 - dot(t.xy, t.xy), 0.0)));
+#else
+    return t;
+#endif
 }
 #endif
 
@@ -77,9 +117,9 @@ vec3 hbil_view_normal(ivec2 p, float z) {
     n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));
     n = dot(n, v) < 0.0 ? -n : n;
 #elif HBIL_NORMALS_WORLD
-    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_normal(p);
+    vec3 n = HBIL_WORLD_TO_VIEW * hbil_load_raw_normal(p);
 #else
-    vec3 n = hbil_load_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);
+    vec3 n = hbil_load_raw_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);
 #endif
     float l2 = dot(n, n);
     return l2 > 1e-12 && l2 < 1e12 ? n * inversesqrt(l2) : v;

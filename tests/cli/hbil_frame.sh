@@ -146,6 +146,18 @@ write_camera 8 4 | sed 's/"near": 1/"nearer": 1/' > no_near.json
 write_camera 8 4 | sed 's/"far": 3/"far": 4/' > other_far.json
 write_camera 8 4 | sed 's/\[\[1, 0, 0, 0\], \[0, 1/[[2, 0, 0, 0], [0, 1/' > scaled_view.json
 write_camera 8 4 | head -c 100 > cut.json
+write_exr 12 2 B="$half" G="$one" R="$two" > cube.exr
+write_exr 8 4 B="$half" G="$one" R="$two" > no_cube.exr
+echo '1 1 1' > sh.txt
+echo '1 1 1 1' > sh4.txt
+probe='[[1,1,1],[0,0,0],[0,0,0],[0,0,0]]'
+probes='"size": [2,1,1], "origin": [0,0,0], "step": [1,1,1], "order": 1'
+echo "{$probes, \"coefficients\": [$probe, $probe]}" > probes.json
+echo "{$probes, \"coefficients\": [$probe]}" > few_probes.json
+head='vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {'
+printf '%s\n    return vec3(0.5 + 0.5 * direction.z);\n}\n' "$head" > hook.glsl
+printf '\n\n%s\n    return nonsense;\n}\n' "$head" > bad_hook.glsl
+echo 'vec3 far_hook(vec3 direction) { return direction; }' > other_hook.glsl
 for file in out.exr report.json png/before.png png/ao.png; do echo "old $file" > $file; done
 cp -r . ../kept
 
@@ -170,6 +182,21 @@ say 'a config that is refused'
     refused 1 'target' $frame --backend gl --set target=vulkan
 }
 
+say 'an environment that does not fit the config'
+# shellcheck disable=SC2086
+{
+    refused 1 '--env sky is environment=sh, but --set says environment=cube' $frame --env sky --set environment=cube
+    refused 1 'environment=hook, but --set says environment=sh' $frame --hook hook.glsl --set environment=sh
+    refused 1 '--env color:R,G,B' $frame --set environment=constant
+    refused 1 '--env sky or --env sh:' $frame --set environment=sh
+    refused 1 '--env CUBE.exr' $frame --set environment=cube
+    refused 1 '--env PROBES.json' $frame --set environment=probes
+    refused 1 '--hook H.glsl' $frame --set environment=hook
+    refused 1 'environment=sh of preset hbil_screen' $frame --preset hbil_screen
+    refused 1 'environment' $frame --set outputs=far
+    refused 1 'spherical harmonics' $frame --env cube.exr --set far_visibility=cone
+}
+
 say 'wrong usage'
 # shellcheck disable=SC2086
 {
@@ -183,7 +210,13 @@ say 'wrong usage'
     refused 2 '--rays' --scene cornell --rays -1
     refused 2 '--repeat' $frame --repeat 0
     refused 2 '--backend' $frame --backend metal
-    refused 2 '--scene' --scene teapot
+    refused 2 'cornell' --scene teapot
+    refused 2 '--env moon: must be sky' $frame --env moon
+    refused 2 '--env sky:1,2' $frame --env sky:1,2
+    refused 2 '--env color:1,2,-1' $frame --env color:1,2,-1
+    refused 2 '3, 12 or 27' $frame --env sh:1,2,3,4
+    refused 2 'one environment' $frame --env sky --hook hook.glsl
+    expect 2 $frame --env
     refused 2 '--frame' --frame '' --camera good.json
     expect 2 $frame --out
 }
@@ -196,12 +229,27 @@ for bad in missing.json png no_near.json other_far.json scaled_view.json cut.jso
     refused 3 "$bad" --frame good.exr --camera "$bad"
 done
 
+# shellcheck disable=SC2086
+for bad in missing.exr no_cube.exr text.exr cut_pixels.exr good.exr missing.json few_probes.json cut.json good.json sh:missing.txt \
+    sh:sh4.txt sh:text.exr; do
+    refused 3 "${bad#sh:}" $frame --env $bad
+done
+# shellcheck disable=SC2086
+{
+    refused 3 'missing.glsl' $frame --hook missing.glsl
+    refused 3 'vec3 hbil_far_hook(' $frame --hook other_hook.glsl
+    check 'message names the file' grep -q 'other_hook.glsl' ../err.txt
+}
+
 say 'frame, camera and config that do not fit each other'
 # shellcheck disable=SC2086
 {
     refused 4 'other_size.json' --frame good.exr --camera other_size.json
     refused 4 'projection' $frame --set projection=orthographic
     refused 4 'width' $frame --set width=9,height=4
+    refused 4 'f0=none' $frame --preset hbil_paper --env sky
+    refused 4 'roughness=0.4' $frame --set outputs=specular_occlusion
+    refused 4 'emission' $frame --emissive
 }
 
 say 'an output that cannot be written'
@@ -234,20 +282,26 @@ unset HBIL_GL __EGL_VENDOR_LIBRARY_FILENAMES
 # ---------------------------------------------------------------------------------------------------- what is written
 
 # Names of the channels of an EXR: each stands between zero bytes of the header.
-channels() { head -c 2000 "$1" | tr '\000' '\n' | LC_ALL=C grep -aE '^[a-z_]+\.[A-Z]$' | sort | tr '\n' ' '; }
+channels() { head -c 2000 "$1" | tr '\000' '\n' | LC_ALL=C grep -aE '^[a-z_]+[0-3]?\.[A-Z]$' | sort | tr '\n' ' '; }
 # Names of the outputs of a report, in its order.
-reported() { sed -n '/"outputs":.*{/,$ s/^.*"\([a-z]*\)":[[:space:]]*{$/\1/p' "$1" | sed 1d | tr '\n' ' '; }
+reported() { sed -n '/"outputs":.*{/,$ s/^.*"\([a-z_]*\)":[[:space:]]*{$/\1/p' "$1" | sed 1d | tr '\n' ' '; }
 
-writes() # BACKEND SET CHANNELS REPORTED PICTURES
+writes() # BACKEND SET CHANNELS REPORTED PICTURES ARGUMENT ...
 {
     group="$1 writes what is asked for, outputs=$2"
+    backend_asked=$1
+    outputs=$2
+    channels=$3
+    reported=$4
+    pictures=$5
+    shift 5
     rm -rf out.exr report.json png
     # shellcheck disable=SC2086
-    expect 0 $frame --backend "$1" --set "outputs=$2" --out out.exr --report report.json --png png || return
+    expect 0 $frame --backend "$backend_asked" --set "outputs=$outputs" "$@" --out out.exr --report report.json --png png || return
     check 'prints a summary' grep -q '^total ' ../out.txt
-    check "channels: $(channels out.exr)" test "$(channels out.exr)" = "$3"
-    check "reports: $(reported report.json)" test "$(reported report.json)" = "$4"
-    check "pictures: $(cd png && echo *)" test "$(cd png && echo *)" = "$5"
+    check "channels: $(channels out.exr)" test "$(channels out.exr)" = "$channels"
+    check "reports: $(reported report.json)" test "$(reported report.json)" = "$reported"
+    check "pictures: $(cd png && echo *)" test "$(cd png && echo *)" = "$pictures"
     for picture in png/*.png; do
         check "$picture is a PNG" test "$(od -An -tx1 -N4 "$picture" | tr -d ' ')" = 89504e47
     done
@@ -257,6 +311,9 @@ writes() # BACKEND SET CHANNELS REPORTED PICTURES
     check 'and no other file' diff -r ../kept .
 }
 
+rgb() { echo "$1.B $1.G $1.R "; }
+sh=
+for layer in 0 1 2 3; do sh="${sh}sh$layer.A $(rgb sh$layer)"; done
 backends=0
 for backend in vulkan gl; do
     say "$backend"
@@ -271,7 +328,49 @@ for backend in vulkan gl; do
     writes $backend ao+bent 'ao.Y bent.X bent.Y bent.Z ' 'ao bent ' 'ao.png before.png bent.png'
     writes $backend ao+near+bent+composite \
         'ao.Y bent.X bent.Y bent.Z composite.B composite.G composite.R near.B near.G near.R ' \
-        'ao near bent composite ' 'after.png ao.png before.png bent.png near.png'
+        'ao bent near composite ' 'after.png ao.png before.png bent.png near.png'
+    writes $backend ao+multi_bounce 'ao.Y multi_bounce.B multi_bounce.G multi_bounce.R ' 'ao multi_bounce ' \
+        'ao.png before.png multi_bounce.png'
+    writes $backend ao+uniform_ao+bent+cone+near+sh+far+irradiance+specular_occlusion+composite \
+        "ao.Y bent.X bent.Y bent.Z $(rgb composite)cone.A cone.X cone.Y cone.Z $(rgb far)$(rgb irradiance)$(rgb near)$sh"\
+'specular_occlusion.Y uniform_ao.Y ' \
+        'ao uniform_ao bent cone near sh far irradiance specular_occlusion composite ' \
+        "after.png ao.png before.png bent.png cone.png cone_angle.png far.png irradiance.png near.png sh.png sh_visibility.png \
+specular_occlusion.png uniform_ao.png" --env sky --set roughness=0.4
+    # The report says what the environment made of the config.
+    for given in '--env sky=sh' '--env sky:1,1,1,2,2,2=sh' '--env color:1,2,3=constant' '--env sh:1,1,1=sh' '--env sh:sh.txt=sh' \
+        '--env cube.exr=cube' '--env probes.json=probes' '--hook hook.glsl=hook'; do
+        say "$backend, ${given%=*}"
+        # shellcheck disable=SC2086
+        expect 0 $frame --backend $backend ${given%=*} --set outputs=far --report report.json -q
+        check 'prints nothing' test ! -s ../out.txt -a ! -s ../err.txt
+        check 'the config says so' grep -Eq "\"environment\":[[:space:]]*\"${given#*=}\"" report.json
+        check 'the report names it' grep -qF "$(echo "${given%=*}" | cut -d' ' -f2)" report.json
+        cp ../kept/report.json .
+    done
+    say "$backend, environment in --set, too"
+    # shellcheck disable=SC2086
+    expect 0 $frame --backend $backend --env sky --set environment=sh,sh_order=2 --set outputs=far --report report.json -q
+    check 'sh_order is kept' grep -Eq '"sh_order":[[:space:]]*2' report.json
+    cp ../kept/report.json .
+    say "$backend, a hook that does not compile"
+    # shellcheck disable=SC2086
+    refused 5 'bad_hook.glsl' $frame --backend $backend --hook bad_hook.glsl
+    check 'message has the line of the hook' grep -Eq ':4[:(]' ../err.txt
+    check 'and what is wrong there' grep -q nonsense ../err.txt
+    for preset in $("$bin" --help | sed -n '/^presets:/,/^$/ s/^  \([a-z_]*\) .*/\1/p'); do
+        say "$backend, preset $preset"
+        more=
+        case $preset in
+            gtao) more='--set roughness=0.4' ;;
+            hbil_paper) more='--env sky --set f0=none' ;;
+            hbil_screen | bitmask) more='--env sky' ;;
+            reference) more='--set slices=8,steps=16' ;;
+        esac
+        # shellcheck disable=SC2086
+        expect 0 $frame --backend $backend --preset "$preset" $more -q
+        check 'no fault of the light' test ! -s ../err.txt
+    done
     say "$backend, -q"
     # shellcheck disable=SC2086
     expect 0 $frame --backend $backend -q

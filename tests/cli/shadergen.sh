@@ -63,6 +63,18 @@ check 'lists an option' grep -q '^  slices ' out.txt
 check 'lists a preset' grep -q '^  fast ' out.txt
 expect 0 --explain reach
 check 'explains it' grep -q '^  unit *m$' out.txt
+expect 0 --list-presets
+check 'lists what a preset sets' grep -q '^ *slices=2 steps=4$' out.txt
+presets=$(sed -n 's/^  \([a-z_][a-z_]*\) .*/\1/p' out.txt)
+check 'lists all the presets of --list-options' test "$("$bin" --list-options | sed -n '/^presets:/,$s/^  \([a-z_][a-z_]*\) .*/\1/p')" = "$presets"
+for preset in $presets; do
+    expect 0 --explain "$preset"
+    check "explains $preset" grep -q '^  meaning ' out.txt
+    # each value has a source, and what the preset sets is among the values
+    for value in $("$bin" --preset "$preset" --print-config | sort > all.txt; "$bin" --print-config | sort | comm -13 - all.txt); do
+        check "the source of $value in $preset" grep -Eq "^  $(echo "$value" | sed 's/[+.]/\\&/g') +[^ ]" out.txt
+    done
+done
 
 say 'a config that is refused'
 expect 1 --set slices=99
@@ -80,6 +92,29 @@ expect 1 --target vulcan
 says 'target=vulcan'
 expect 1 --set width=640
 says 'width and height'
+# combinations: the message says why, and ends with config text that mends it
+refused() # CONFIG MESSAGE FIX
+{
+    expect 1 --set "$1"
+    says "$2"
+    says "; set $3"
+    no_data
+    expect 0 --set "$1,$3" --print-config
+}
+refused estimator=hbao_plus,outputs=near 'near light needs an estimator of cosine-weighted arcs' outputs=ao
+refused estimator=hbao,outputs=sh 'sh of near light needs estimator horizon or bitmask' outputs=ao
+refused estimator=hbao,outputs=composite 'nothing to add up' outputs=ao
+refused estimator=hbao,outputs=uniform_ao 'uniform already' outputs=ao
+refused estimator=hbao_plus,outputs=ao+cone 'need estimator horizon or bitmask' outputs=ao
+refused outputs=multi_bounce+near 'counts the same energy twice' outputs=ao+multi_bounce
+refused outputs=far 'outputs=far without an environment' environment=sh
+refused occluder=thick 'behind a thin occluder' estimator=bitmask
+refused occluder=heuristic,estimator=bitmask 'sectors do not sink' occluder=thick
+refused outputs=ao+far,environment=sh,estimator=hbao 'have no bent vector' far_visibility=ao
+refused outputs=far,environment=sh,far_visibility=free_bits 'only the bitmask has sectors' far_visibility=bent
+refused outputs=bent,estimator=bitmask,seed_compat=uniform_bent 'arithmetic of horizons' seed_compat=none
+refused outputs=far,environment=cube,far_visibility=cone 'closed form for a cone' far_visibility=bent
+refused normals=world,normal_encoding=xy 'hold no sign of z' normal_encoding=octahedral
 printf 'slices=3\nsteps=99999\n' > bad.hbil
 expect 1 -c bad.hbil -o refused/
 says 'bad.hbil'
@@ -92,7 +127,7 @@ says '--nonsense'
 says 'see shadergen --help'
 expect 2 march
 expect 2 --set=slices=4
-for flag in --set -c --config --preset --target --format --pass -o --output --explain; do
+for flag in --set -c --config --preset --target --format --pass -o --output --explain --hook; do
     expect 2 $flag
     says 'no value after'
     expect 2 $flag ''
@@ -100,16 +135,18 @@ done
 expect 2 --format hlsl
 says 'glsl, spirv or manifest'
 expect 2 --pass marhc
-says 'prepare march composite'
+says 'prepare march light'
 expect 2 --explain slicse
-says 'did you mean slices?'
+says 'did you mean the option slices'
+expect 2 --explain hbao_pus
+says 'or the preset hbao_plus?'
 expect 2 -o all.comp
 says 'several passes'
 absent all.comp
 expect 2 --format spirv
 no_data
-expect 2 --set outputs=ao --pass composite
-says 'this config has no pass composite'
+expect 2 --set outputs=ao --pass light
+says 'this config has no pass light'
 
 say 'what cannot be read or written'
 echo 'a file' > file
@@ -122,7 +159,8 @@ expect 3 -o file/out/
 expect 3 --pass march -o missing/march.comp
 check 'the file in the way is as it was' grep -qx 'a file' file
 if [ -c /dev/full ]; then
-    for arguments in '--pass march' '--format manifest' --print-config --list-options '--explain slices' --help --version; do
+    for arguments in '--pass march' '--format manifest' --print-config --list-options --list-presets '--explain slices' \
+        '--explain gtao' --help --version; do
         checks=$((checks + 1))
         code=0
         # shellcheck disable=SC2086
@@ -146,8 +184,8 @@ say 'outputs'
 expect 0 -o all/
 silent
 no_data
-check 'three texts' test "$(find all -type f | sort | tr '\n' ' ')" = 'all/composite.comp all/march.comp all/prepare.comp '
-for pass in prepare march composite; do
+check 'three texts' test "$(find all -type f | sort | tr '\n' ' ')" = 'all/light.comp all/march.comp all/prepare.comp '
+for pass in prepare march light; do
     expect 0 --pass $pass
     cp out.txt printed
     same printed all/$pass.comp
@@ -160,10 +198,10 @@ for pass in prepare march composite; do
     check 'no carriage return, tab or non-ASCII letter' sh -c "! LC_ALL=C grep -q '[^ -~]' all/$pass.comp"
 done
 expect 0 -o -
-cat all/prepare.comp all/march.comp all/composite.comp > joined
+cat all/prepare.comp all/march.comp all/light.comp > joined
 same out.txt joined
 expect 0 --format spirv -o spirv/
-for pass in prepare march composite; do
+for pass in prepare march light; do
     check "SPIR-V magic of $pass" test "$(od -An -tx4 -N4 spirv/$pass.spv | tr -d ' ')" = 07230203
 done
 expect 0 --format spirv --pass march -o -
@@ -174,20 +212,96 @@ same out.txt all/plan.json
 check 'manifest is an object' sh -c "head -c 1 all/plan.json | grep -q '{'"
 no_temporaries all
 
+say 'presets'
+cat > sky.glsl << 'END'
+// ours
+const vec3 zenith = vec3(0.45, 0.75, 1.30);
+vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {
+    return zenith * (0.5 + 0.5 * direction.z);
+}
+END
+for preset in $presets; do
+    for target in vulkan gl; do
+        hook=
+        "$bin" --preset "$preset" --print-config | grep -qx environment=hook && hook='--hook sky.glsl'
+        # shellcheck disable=SC2086
+        expect 0 --preset "$preset" --target $target $hook
+        silent
+        check "$preset has texts for $target" grep -q '^void main' out.txt
+        # shellcheck disable=SC2086
+        expect 0 --preset "$preset" --target $target $hook --format spirv -o "spirv-$preset-$target/"
+        silent
+        check "$preset has SPIR-V for $target" test -s "spirv-$preset-$target/march.spv"
+    done
+done
+
+say 'a hook'
+hooked='outputs=far,environment=hook'
+expect 2 --set $hooked
+says 'pass light calls a function of yours'
+says '--hook FILE'
+no_data
+expect 2 --set $hooked --pass light --format spirv -o hooked/
+says '--hook FILE'
+absent hooked
+expect 0 --set $hooked --pass march
+expect 0 --set $hooked --format manifest
+expect 0 --set $hooked --print-config
+for target in vulkan gl; do
+    expect 0 --set $hooked --target $target --hook sky.glsl -o hooked/
+    silent
+    check 'the text has the function' grep -q '^const vec3 zenith' hooked/light.comp
+    check 'only in the pass that calls it' sh -c '! grep -q zenith hooked/march.comp hooked/prepare.comp'
+    expect 0 --set $hooked --target $target --hook sky.glsl --format spirv -o hooked/
+    silent
+done
+"$bin" --set $hooked --pass light --hook - < sky.glsl > from_stdin
+expect 0 --set $hooked --pass light --hook sky.glsl
+same out.txt from_stdin
+for arguments in '' "--set outputs=far,environment=sh" "--set outputs=ao,environment=hook"; do
+    # shellcheck disable=SC2086
+    expect 2 $arguments --hook sky.glsl
+    says '--hook without environment=hook'
+    says 'leave --hook out'
+    no_data
+done
+expect 3 --set $hooked --hook missing.glsl
+says 'missing.glsl'
+sed 's/zenith \*/zenit */' sky.glsl > wrong.glsl
+expect 1 --set $hooked --hook wrong.glsl --format spirv -o wrong/
+check 'file and line of the fault' grep -qx "wrong.glsl:4: 'zenit' : undeclared identifier *" err.txt
+check 'no word about our text' sh -c '! grep -qi report err.txt'
+absent wrong
+{ cat sky.glsl; echo 'void more() {'; } > open.glsl
+expect 1 --set $hooked --hook open.glsl
+says 'open.glsl: hook: braces do not match'
+echo '// nothing' > empty.glsl
+expect 1 --set $hooked --hook empty.glsl
+says 'empty.glsl: hook: no function vec3 hbil_far_hook'
+{ echo '#version 450'; cat sky.glsl; } > version.glsl
+expect 1 --set $hooked --hook version.glsl
+says 'version.glsl: hook: #version'
+{ cat sky.glsl; echo '#define texelFetch nothing'; } > behind.glsl
+expect 1 --set $hooked --hook behind.glsl --format spirv --pass light
+says 'behind.glsl'
+{ cat sky.glsl; printf '\0'; } > zero.glsl
+expect 1 --set $hooked --hook zero.glsl
+says 'zero.glsl holds a zero byte'
+
 say 'unchanged outputs'
 touch -t 200101020000 reference
 touch -t 200101010000 all/*.comp
 expect 0 -o all/
-for pass in prepare march composite; do check "$pass.comp keeps its time" test ! all/$pass.comp -nt reference; done
+for pass in prepare march light; do check "$pass.comp keeps its time" test ! all/$pass.comp -nt reference; done
 expect 0 --set slices=5 -o all/
-for pass in prepare march composite; do check "$pass.comp, which changed, is new" test all/$pass.comp -nt reference; done
+for pass in prepare march light; do check "$pass.comp, which changed, is new" test all/$pass.comp -nt reference; done
 
 say 'all outputs or none'
 cp -r all before
-mkdir all/composite.comp.tmp # in the way of the last temporary file
+mkdir all/light.comp.tmp # in the way of the last temporary file
 expect 3 --set slices=6,outputs=near+composite,depth=device -o all/
-rmdir all/composite.comp.tmp
-for pass in prepare march composite; do same all/$pass.comp before/$pass.comp; done
+rmdir all/light.comp.tmp
+for pass in prepare march light; do same all/$pass.comp before/$pass.comp; done
 no_temporaries all
 
 say 'a full disk'

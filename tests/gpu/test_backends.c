@@ -1,15 +1,21 @@
-/* test_backends.c - Vulkan and GL give the same image, per output, on the built-in scene and on all captures; the
- * validation layer and GL debug output are silent; pipelines survive changes of plan and size. */
+/* test_backends.c - Vulkan and GL give the same image, per output, on the built-in scene, on all captures and for all presets;
+ * the validation layer and GL debug output are silent; pipelines survive changes of plan and size. */
 
 #define HBIL_IMPLEMENTATION
 #include "../test.h"
 #include "../matrix.h"
 
 #include "../captures.h"
+#include "inputs.h"
 #include "../../examples/frame/runner.h"
 
 static runner *vulkan, *gl;
 static char    error[512];
+
+static const char hook[] = "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {\n"
+                           "    vec3 ground = 0.2 + 0.1 * sin(position);\n"
+                           "    return mix(ground, vec3(0.5, 0.7, 1.0), 0.5 + 0.5 * direction.z) * (1.5 - cos_aperture);\n"
+                           "}\n";
 
 static hbil_plan plan_of(const char *config, const char *target)
 {
@@ -28,7 +34,7 @@ static void run(runner *r, const hbil_plan *plan, const capture *cap, image outp
     hbil_frame frame;
     int i;
     memset(inputs, 0, sizeof inputs);
-    if (!capture_encode(cap, plan, &frame, inputs, error, sizeof error)) fail_msg("%s", error);
+    if (!inputs_encode(cap, plan, &frame, inputs, error, sizeof error)) fail_msg("%s", error);
     if (!runner_run(r, plan, &frame, inputs, outputs, 1, NULL, error, sizeof error)) fail_msg("%s", error);
     for (i = 0; i < HBIL_MAX_TEXTURES; ++i) image_free(&inputs[i]);
 }
@@ -37,8 +43,9 @@ static void run(runner *r, const hbil_plan *plan, const capture *cap, image outp
 static void same_image(const char *where, const char *output, const image *a, const image *b)
 {
     double sum = 0;
-    int beyond = 0, pixels = a->width * a->height, p, k;
+    int beyond = 0, pixels = a->width * a->height * image_slices(a), p, k;
     assert_int_equal(a->width, b->width);
+    assert_int_equal(image_slices(a), image_slices(b));
     assert_int_equal(a->channels, b->channels);
     for (p = 0; p < pixels; ++p) {
         double worst = 0;
@@ -51,9 +58,11 @@ static void same_image(const char *where, const char *output, const image *a, co
         sum += worst;
         beyond += worst > 2e-3;
     }
-    if (pixels > 20000) print_message("%-16s %-10s mean difference %.1e, %d of %d pixels beyond 2e-3\n", where, output, sum / pixels, beyond, pixels);
-    assert_true(sum / pixels <= 1e-5);
-    assert_true(beyond * 10000 <= pixels);
+    if (pixels > 20000)
+        print_message("%-24s %-18s mean difference %.1e, %d of %d pixels beyond 2e-3\n", where, output, sum / pixels, beyond,
+                      pixels);
+    if (sum / pixels > 1e-5 || beyond * 10000 > pixels)
+        fail_msg("%s, %s: mean difference %.1e, %d of %d pixels beyond 2e-3", where, output, sum / pixels, beyond, pixels);
 }
 
 static void compare(const char *where, const capture *cap, const char *config)
@@ -73,11 +82,16 @@ static void compare(const char *where, const capture *cap, const char *config)
 }
 
 #define ALL "outputs=ao+near+bent+composite "
+#define EVERYTHING "outputs=ao+uniform_ao+bent+cone+near+sh+far+irradiance+specular_occlusion+composite f0=rgb "
 
 static void backends_agree_on_the_built_in_scene(void **state)
 {
     static const char *const configs[] = { ALL, ALL "reach=1 noise=ign slices=2", ALL "normals=depth depth=device depth_direction=reversed",
-        ALL "normals=world spacing=geometric noise=none slices=1", "outputs=ao steps=12", "outputs=composite depth=device depth_far=infinite" };
+        ALL "normals=world spacing=geometric noise=none slices=1", "outputs=ao steps=12",
+        "outputs=composite depth=device depth_far=infinite", EVERYTHING "environment=cube multisample=yes sample=2",
+        EVERYTHING "environment=probes", EVERYTHING "environment=hook", "outputs=ao+multi_bounce",
+        EVERYTHING "environment=sh estimator=bitmask far_visibility=free_bits",
+        "outputs=ao+far environment=constant estimator=hbao", "outputs=ao estimator=hbao_plus" };
     static const int sizes[][2] = { { 160, 90 }, { 37, 61 }, { 1, 1 } };
     size_t i, k;
     (void)state;
@@ -109,6 +123,34 @@ static void backends_agree_on_all_captures(void **state)
         }
 }
 
+/* On the first frame of every capture. The sample counts of `reference` are for patience; its code is the same with fewer. */
+static void backends_agree_on_all_presets(void **state)
+{
+    const capture_names list = captures_list();
+    int i, k;
+    (void)state;
+    if (!list.count) {
+        print_message("skipped: HBIL_CAPTURES is not set, or holds no frame\n");
+        skip();
+    }
+    for (i = 0; i < list.count; ++i) {
+        capture cap;
+        if (!captures_load(list.name[i], 0, &cap, error, sizeof error)) fail_msg("%s", error);
+        for (k = 0; hbil_preset_name(k); ++k) {
+            hbil_config c;
+            char where[80], text[2048];
+            memset(&c, 0, sizeof c);
+            assert_int_equal(hbil_config_preset(hbil_preset_name(k), &c, NULL), HBIL_OK);
+            if (c.slices > 8) c.slices = 4;
+            if (c.steps > 16) c.steps = 12;
+            hbil_config_print(&c, 0, text, sizeof text, NULL);
+            snprintf(where, sizeof where, "%s %s", list.name[i], hbil_preset_name(k));
+            compare(where, &cap, text);
+        }
+        capture_free(&cap);
+    }
+}
+
 /* A slice of the option matrix, so that every option has run on both devices; the text is checked by the glsl tests. */
 static void options_run_on_both_backends(void **state)
 {
@@ -124,10 +166,14 @@ static void options_run_on_both_backends(void **state)
         if (c->projection == HBIL_PROJECTION_ORTHOGRAPHIC) c->projection = 0; /* this scene's camera is perspective */
         c->slices = c->slices > 4 ? 4 : c->slices;
         c->steps = c->steps > 16 ? 16 : c->steps;
+        /* three slices without noise look exactly between two pixels (cos 60 degrees = 1/2), and a tie may go either way */
+        if (c->noise == HBIL_NOISE_NONE && (c->slices == 0 || c->slices == 3)) c->slices = 4;
+        if (c->roughness > 0 && c->roughness < 0.2f) c->roughness = 0.2f; /* a narrow lobe magnifies the rounding of 1 - ao */
+        c->sample %= RUNNER_SAMPLES;
         c->sky_depth = 0;
         c->target = 0;
         hbil_config_print(c, 0, text, sizeof text, NULL);
-        compare("matrix", &cap, text);
+        compare(text, &cap, text);
         ++ran;
     }
     capture_free(&cap);
@@ -148,7 +194,7 @@ static int set_up(void **state)
     if (!vulkan) print_error("%s\n", error);
     gl = runner_open("gl", 1, error, sizeof error);
     if (!gl) print_error("%s\n", error);
-    if (!vulkan || !gl) return -1;
+    if (!vulkan || !gl || !runner_hook(vulkan, hook) || !runner_hook(gl, hook)) return -1;
     print_message("vulkan: %s, %s\ngl: %s, %s\n", runner_about(vulkan)->device, runner_about(vulkan)->driver,
                   runner_about(gl)->device, runner_about(gl)->driver);
     return 0;
@@ -167,6 +213,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(backends_agree_on_the_built_in_scene),
         cmocka_unit_test(backends_agree_on_all_captures),
+        cmocka_unit_test(backends_agree_on_all_presets),
         cmocka_unit_test(options_run_on_both_backends),
         cmocka_unit_test(no_validation_message),
     };

@@ -10,6 +10,9 @@
 
 enum { WIDTH = 21, HEIGHT = 13, UNITS = 16, IMAGES = 8, BLOCKS = 4 };
 #define ALL_OUTPUTS "target=gl outputs=ao+near+bent+composite noise=none"
+/* Between them, every kind of texture. */
+#define CUBE_PLAN   "target=gl outputs=ao+sh+far+composite environment=cube multisample=yes sample=2"
+#define PROBE_PLAN  "target=gl outputs=ao+far environment=probes"
 
 #define GL_FUNCTIONS(X)                                  \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)             \
@@ -29,6 +32,7 @@ enum { WIDTH = 21, HEIGHT = 13, UNITS = 16, IMAGES = 8, BLOCKS = 4 };
     X(PFNGLDELETESAMPLERSPROC, DeleteSamplers)           \
     X(PFNGLDELETESHADERPROC, DeleteShader)               \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)           \
+    X(PFNGLDISABLEPROC, Disable)                         \
     X(PFNGLENABLEPROC, Enable)                           \
     X(PFNGLGENBUFFERSPROC, GenBuffers)                   \
     X(PFNGLGENSAMPLERSPROC, GenSamplers)                 \
@@ -45,7 +49,9 @@ enum { WIDTH = 21, HEIGHT = 13, UNITS = 16, IMAGES = 8, BLOCKS = 4 };
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)             \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)               \
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                   \
+    X(PFNGLTEXPARAMETERIPROC, TexParameteri)             \
     X(PFNGLTEXSTORAGE2DPROC, TexStorage2D)               \
+    X(PFNGLTEXSTORAGE2DMULTISAMPLEPROC, TexStorage2DMultisample) \
     X(PFNGLTEXSTORAGE3DPROC, TexStorage3D)               \
     X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D)             \
     X(PFNGLUSEPROGRAMPROC, UseProgram)
@@ -62,6 +68,7 @@ static hbil_frame frame;
 static unsigned   textures[HBIL_MAX_TEXTURES];
 static char       scratch[HBIL_GLSL_MAX];
 static hbil_gl    ctx;
+static const char *hook;
 
 /* ---------------------------------------------------------------------------------------------------------- helpers */
 
@@ -83,6 +90,30 @@ static unsigned make_texture(GLenum format, int width, int height)
     gl.BindTexture(GL_TEXTURE_2D, name);
     gl.TexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
     gl.BindTexture(GL_TEXTURE_2D, 0);
+    return name;
+}
+
+/* Of the target that a plan's texture wants. */
+static unsigned make_shaped(const hbil_texture *t, GLenum format)
+{
+    unsigned name = 0;
+    if (t->dim == HBIL_DIM_2D) return make_texture(format, WIDTH, HEIGHT);
+    gl.GenTextures(1, &name);
+    if (t->dim == HBIL_DIM_2D_MULTISAMPLE) {
+        gl.BindTexture(GL_TEXTURE_2D_MULTISAMPLE, name);
+        gl.TexStorage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, 4, format, WIDTH, HEIGHT, GL_TRUE);
+        gl.BindTexture(GL_TEXTURE_2D_MULTISAMPLE, 0);
+    } else if (t->dim == HBIL_DIM_CUBE) {
+        gl.BindTexture(GL_TEXTURE_CUBE_MAP, name);
+        gl.TexStorage2D(GL_TEXTURE_CUBE_MAP, 1, format, 4, 4);
+        gl.BindTexture(GL_TEXTURE_CUBE_MAP, 0);
+    } else {
+        GLenum target = t->dim == HBIL_DIM_3D ? GL_TEXTURE_3D : GL_TEXTURE_2D_ARRAY;
+        gl.BindTexture(target, name);
+        if (t->dim == HBIL_DIM_3D) gl.TexStorage3D(target, 1, format, 2, 2, 2 * 9);
+        else gl.TexStorage3D(target, 1, format, WIDTH, HEIGHT, t->layers);
+        gl.BindTexture(target, 0);
+    }
     return name;
 }
 
@@ -142,6 +173,7 @@ static hbil_gl_result init_with(const hbil_plan *p, lie l, size_t scratch_size)
     info.user = &l;
     info.scratch = scratch;
     info.scratch_size = scratch_size;
+    info.hook = hook;
     info.timings = 1;
     return hbil_gl_init(&info, &ctx);
 }
@@ -157,26 +189,39 @@ static void assert_message(const char *part)
     if (!strstr(ctx.message, part)) fail_msg("message \"%s\" does not name \"%s\"", ctx.message, part);
 }
 
-static int setup(void **state)
+static void set_plan(const char *config)
 {
     float blue[3 * WIDTH * HEIGHT]; /* a normal towards the camera, and a colour */
     uint32_t i;
-    (void)state;
     for (i = 0; i < 3 * WIDTH * HEIGHT; ++i) blue[i] = i % 3 == 2 ? 1.0f : 0.0f;
-    build_plan(ALL_OUTPUTS, &plan);
+    build_plan(config, &plan);
     memset(textures, 0, sizeof textures);
     for (i = 0; i < plan.texture_count; ++i) {
         const hbil_texture *t = &plan.textures[i];
-        if (t->life == HBIL_LIFE_OUTPUT) textures[i] = make_texture(hbil_gl_format((hbil_format)t->format), WIDTH, HEIGHT);
+        if (t->life == HBIL_LIFE_OUTPUT) textures[i] = make_shaped(t, hbil_gl_format((hbil_format)t->format));
         if (t->life != HBIL_LIFE_INPUT) continue;
-        textures[i] = make_texture(strcmp(t->name, "depth") == 0 ? GL_R32F : GL_RGBA32F, WIDTH, HEIGHT);
+        textures[i] = make_shaped(t, strcmp(t->name, "depth") == 0 ? GL_R32F : GL_RGBA32F);
+        if (t->dim != HBIL_DIM_2D) continue;
         gl.BindTexture(GL_TEXTURE_2D, textures[i]);
         gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGB, GL_FLOAT, blue);
         gl.BindTexture(GL_TEXTURE_2D, 0);
     }
-    fill_depth(4.0f, 0.1f);
+    if (plan.config.multisample != HBIL_MULTISAMPLE_YES) fill_depth(4.0f, 0.1f);
     frame = test_frame(&plan.config, WIDTH, HEIGHT);
     memset(&ctx, 0, sizeof ctx);
+}
+
+static void drop_plan(void)
+{
+    hbil_gl_shutdown(&ctx);
+    gl.DeleteTextures(HBIL_MAX_TEXTURES, textures);
+    hook = NULL;
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    set_plan(ALL_OUTPUTS);
     return 0;
 }
 
@@ -184,8 +229,7 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     (void)state;
-    hbil_gl_shutdown(&ctx);
-    gl.DeleteTextures(HBIL_MAX_TEXTURES, textures);
+    drop_plan();
     return (int)gl.GetError();
 }
 
@@ -213,7 +257,8 @@ static void take_snapshot(snapshot *s)
     static const GLenum plain[] = {
         GL_CURRENT_PROGRAM, GL_ACTIVE_TEXTURE, GL_UNIFORM_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_BINDING,
         GL_DISPATCH_INDIRECT_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_PACK_BUFFER_BINDING, GL_UNPACK_ALIGNMENT,
-        GL_COPY_WRITE_BUFFER_BINDING, GL_PROGRAM_PIPELINE_BINDING, GL_VERTEX_ARRAY_BINDING, GL_DRAW_FRAMEBUFFER_BINDING };
+        GL_COPY_WRITE_BUFFER_BINDING, GL_PROGRAM_PIPELINE_BINDING, GL_VERTEX_ARRAY_BINDING, GL_DRAW_FRAMEBUFFER_BINDING,
+        GL_TEXTURE_CUBE_MAP_SEAMLESS };
     static const GLenum images[] = { GL_IMAGE_BINDING_NAME, GL_IMAGE_BINDING_LEVEL, GL_IMAGE_BINDING_LAYERED,
                                     GL_IMAGE_BINDING_LAYER, GL_IMAGE_BINDING_ACCESS, GL_IMAGE_BINDING_FORMAT };
     static const GLenum blocks[] = { GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE };
@@ -225,6 +270,9 @@ static void take_snapshot(snapshot *s)
         gl.ActiveTexture(GL_TEXTURE0 + (GLenum)i);
         take(s, GL_TEXTURE_BINDING_2D, i, 0);
         take(s, GL_TEXTURE_BINDING_2D_ARRAY, i, 0);
+        take(s, GL_TEXTURE_BINDING_2D_MULTISAMPLE, i, 0);
+        take(s, GL_TEXTURE_BINDING_CUBE_MAP, i, 0);
+        take(s, GL_TEXTURE_BINDING_3D, i, 0);
         take(s, GL_SAMPLER_BINDING, i, 0);
     }
     gl.ActiveTexture((GLenum)active);
@@ -248,7 +296,7 @@ static void assert_same(const snapshot *before, const char *verb)
 
 /* Objects behind the odd values. */
 typedef struct odd_objects {
-    unsigned program, buffer, flat[UNITS], array, samplers[UNITS];
+    unsigned program, buffer, flat[UNITS], array, multisample, cube, volume, samplers[UNITS];
 } odd_objects;
 
 static unsigned make_program(void)
@@ -273,6 +321,15 @@ static void make_odd_objects(odd_objects *o)
     gl.GenTextures(1, &o->array);
     gl.BindTexture(GL_TEXTURE_2D_ARRAY, o->array);
     gl.TexStorage3D(GL_TEXTURE_2D_ARRAY, 3, GL_RGBA8, 8, 8, 6);
+    gl.GenTextures(1, &o->multisample);
+    gl.BindTexture(GL_TEXTURE_2D_MULTISAMPLE, o->multisample);
+    gl.TexStorage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, 4, GL_RGBA8, 8, 8, GL_TRUE);
+    gl.GenTextures(1, &o->cube);
+    gl.BindTexture(GL_TEXTURE_CUBE_MAP, o->cube);
+    gl.TexStorage2D(GL_TEXTURE_CUBE_MAP, 1, GL_RGBA8, 8, 8);
+    gl.GenTextures(1, &o->volume);
+    gl.BindTexture(GL_TEXTURE_3D, o->volume);
+    gl.TexStorage3D(GL_TEXTURE_3D, 1, GL_RGBA8, 8, 8, 8);
     gl.GenSamplers(UNITS, o->samplers);
     for (i = 0; i < UNITS; ++i) o->flat[i] = make_texture(GL_R32F, 4, 4);
 }
@@ -285,8 +342,12 @@ static void set_odd_state(const odd_objects *o, int whole)
         gl.ActiveTexture(GL_TEXTURE0 + i);
         gl.BindTexture(GL_TEXTURE_2D, o->flat[i]);
         gl.BindTexture(GL_TEXTURE_2D_ARRAY, o->array);
+        gl.BindTexture(GL_TEXTURE_2D_MULTISAMPLE, o->multisample);
+        gl.BindTexture(GL_TEXTURE_CUBE_MAP, o->cube);
+        gl.BindTexture(GL_TEXTURE_3D, o->volume);
         gl.BindSampler(i, o->samplers[i]);
     }
+    if (whole) gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
     gl.ActiveTexture(GL_TEXTURE0 + 2);
     for (i = 0; i < IMAGES; ++i)
         gl.BindImageTexture(i, o->array, 1 + (GLint)(i & 1), (i & 1) != 0, 5 - (GLint)(i & 3),
@@ -307,6 +368,10 @@ static void delete_odd_objects(odd_objects *o)
     gl.DeleteBuffers(1, &o->buffer);
     gl.DeleteTextures(UNITS, o->flat);
     gl.DeleteTextures(1, &o->array);
+    gl.DeleteTextures(1, &o->multisample);
+    gl.DeleteTextures(1, &o->cube);
+    gl.DeleteTextures(1, &o->volume);
+    gl.Disable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
     gl.DeleteSamplers(UNITS, o->samplers);
 }
 
@@ -328,17 +393,20 @@ static void use_every_verb(const snapshot *before)
 
 static void every_verb_puts_all_state_back(void **state)
 {
+    static const char *const plans[] = { ALL_OUTPUTS, CUBE_PLAN, PROBE_PLAN };
     int variant, messages = runner_gl.messages(device);
     (void)state;
-    for (variant = 0; variant < 3; ++variant) { /* ranges, whole buffers, everything at its default */
+    for (variant = 0; variant < 9; ++variant) { /* each with ranges, whole buffers, everything at its default */
         odd_objects odd;
         snapshot before;
+        drop_plan();
+        set_plan(plans[variant / 3]);
         make_odd_objects(&odd);
-        if (variant < 2) set_odd_state(&odd, variant);
+        if (variant % 3 < 2) set_odd_state(&odd, variant % 3);
         else delete_odd_objects(&odd);
         take_snapshot(&before);
         use_every_verb(&before);
-        if (variant < 2) delete_odd_objects(&odd);
+        if (variant % 3 < 2) delete_odd_objects(&odd);
     }
     assert_int_equal(gl.GetError(), GL_NO_ERROR);
     assert_int_equal(runner_gl.messages(device), messages);
@@ -394,7 +462,7 @@ static void each_pass_waits_for_what_it_reads_and_overwrites(void **state)
     assert_int_equal(recorded.count, 3);
     assert_int_equal(recorded.bits[0], GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); /* prepare: last frame's march may still read */
     assert_int_equal(recorded.bits[1], GL_TEXTURE_FETCH_BARRIER_BIT);       /* march: reads what prepare wrote */
-    assert_int_equal(recorded.bits[2], GL_TEXTURE_FETCH_BARRIER_BIT);       /* composite: reads what march wrote */
+    assert_int_equal(recorded.bits[2], GL_TEXTURE_FETCH_BARRIER_BIT);       /* light: reads what march wrote */
 }
 
 /* ----------------------------------------------------------------------------------------------------------- errors */
@@ -452,6 +520,10 @@ static void init_names_what_is_wrong_with_the_plan(void **state)
     assert_int_equal(init_with(&bad, none, sizeof scratch), HBIL_GL_E_PLAN);
     assert_message("texture ao");
     bad = plan;
+    bad.textures[hbil_plan_texture(&plan, "ao")].dim = HBIL_DIM_CUBE;
+    assert_int_equal(init_with(&bad, none, sizeof scratch), HBIL_GL_E_PLAN);
+    assert_message("texture ao has dim 4 and 1 layers");
+    bad = plan;
     bad.passes[1].bindings[0].slot = HBIL_GL_MAX_UNITS;
     assert_int_equal(init_with(&bad, none, sizeof scratch), HBIL_GL_E_PLAN);
     assert_message("pass march uses texture unit 16");
@@ -496,6 +568,7 @@ static void resize_names_the_texture_that_is_wrong(void **state)
     expect_refused("ao", half, "r32f");
     expect_refused("depth", whole, "integer format");
     expect_refused("radiance", odd.array, "not a GL_TEXTURE_2D (GL error 0x0502)");
+    expect_refused("depth", odd.multisample, "not a GL_TEXTURE_2D (GL error 0x0502)");
     assert_int_equal(hbil_gl_resize(&ctx, 0, HEIGHT, textures), HBIL_GL_E_ARG);
     assert_message("[1, 16384]");
     assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, NULL), HBIL_GL_E_ARG);
@@ -506,6 +579,78 @@ static void resize_names_the_texture_that_is_wrong(void **state)
     gl.DeleteTextures(1, &half);
     gl.DeleteTextures(1, &whole);
     delete_odd_objects(&odd);
+}
+
+static void resize_names_the_shape_that_is_wrong(void **state)
+{
+    hbil_texture three;
+    odd_objects odd;
+    unsigned layers, faces = 0;
+    GLuint i;
+    (void)state;
+    drop_plan();
+    set_plan(CUBE_PLAN);
+    make_odd_objects(&odd);
+    memset(&three, 0, sizeof three);
+    three.dim = HBIL_DIM_2D_ARRAY;
+    three.layers = 3;
+    layers = make_shaped(&three, GL_RGBA32F);
+    gl.GenTextures(1, &faces);
+    gl.BindTexture(GL_TEXTURE_CUBE_MAP, faces);
+    for (i = 0; i < 5; ++i)
+        gl.TexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i, 0, GL_RGBA8, 8, 8, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    assert_int_equal(init(), HBIL_GL_OK);
+    assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, textures), HBIL_GL_OK);
+    expect_refused("sky", odd.volume, "not a GL_TEXTURE_CUBE_MAP (GL error 0x0502)");
+    expect_refused("sky", faces, "face 5 of texture");
+    expect_refused("depth", odd.flat[0], "not a GL_TEXTURE_2D_MULTISAMPLE (GL error 0x0502)");
+    expect_refused("depth", odd.multisample, "8 x 8");
+    expect_refused("sh", layers, "has 3 layers, the plan needs 4");
+    assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, textures), HBIL_GL_OK);
+    hbil_gl_shutdown(&ctx);
+    plan.config.sample = 4; /* the textures have 4 */
+    assert_int_equal(init(), HBIL_GL_OK);
+    expect_refused("depth", textures[hbil_plan_texture(&plan, "depth")], "has 4 samples, the plan reads sample 4");
+    gl.DeleteTextures(1, &layers);
+    gl.DeleteTextures(1, &faces);
+    delete_odd_objects(&odd);
+}
+
+/* Sampler of its own on a unit that the plan leaves free; the file neither touches nor needs to know it. */
+static void a_hook_may_read_resources_of_yours(void **state)
+{
+    static const float three = 3.0f;
+    float far_light[4 * WIDTH * HEIGHT], ao[WIDTH * HEIGHT];
+    unsigned mine;
+    int i;
+    (void)state;
+    drop_plan();
+    set_plan("target=gl outputs=ao+far environment=hook");
+    assert_int_equal(init(), HBIL_GL_E_ARG);
+    assert_message("no text given");
+    hook = "vec3 far_away(vec3 d) { return d; }";
+    assert_int_equal(init(), HBIL_GL_E_ARG);
+    assert_message("hbil_far_hook");
+    hook = "layout(binding = 15) uniform sampler2D u_mine;\n"
+           "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {\n"
+           "    return texelFetch(u_mine, ivec2(0), 0).rrr;\n"
+           "}\n";
+    mine = make_texture(GL_R32F, 1, 1);
+    gl.ActiveTexture(GL_TEXTURE0 + 15);
+    gl.BindTexture(GL_TEXTURE_2D, mine);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 1, 1, GL_RED, GL_FLOAT, &three);
+    gl.ActiveTexture(GL_TEXTURE0);
+    assert_int_equal(init(), HBIL_GL_OK);
+    hook = NULL; /* no longer needed */
+    assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, textures), HBIL_GL_OK);
+    assert_int_equal(hbil_gl_run(&ctx, &frame), HBIL_GL_OK);
+    read_ao(ao);
+    gl.BindTexture(GL_TEXTURE_2D, textures[hbil_plan_texture(&plan, "far")]);
+    gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, far_light);
+    for (i = 0; i < WIDTH * HEIGHT; ++i) assert_true(far_light[4 * i] > 2.999f * ao[i] && far_light[4 * i] < 3.001f * ao[i]);
+    gl.BindTexture(GL_TEXTURE_2D, 0);
+    gl.DeleteTextures(1, &mine);
 }
 
 static void resize_reports_a_texture_that_cannot_be_made(void **state)
@@ -597,10 +742,10 @@ static void shutdown_deletes_what_is_ours_and_nothing_else(void **state)
     assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, textures), HBIL_GL_OK);
     assert_int_equal(hbil_gl_run(&ctx, &frame), HBIL_GL_OK);
     old = ctx;
-    assert_true(gl.IsBuffer(old.buffer) && gl.IsSampler(old.sampler));
+    assert_true(gl.IsBuffer(old.buffer) && gl.IsSampler(old.samplers[0]) && gl.IsSampler(old.samplers[1]));
     hbil_gl_shutdown(&ctx);
     hbil_gl_shutdown(&ctx); /* of a zeroed context: nothing */
-    assert_false(gl.IsBuffer(old.buffer) || gl.IsSampler(old.sampler));
+    assert_false(gl.IsBuffer(old.buffer) || gl.IsSampler(old.samplers[0]) || gl.IsSampler(old.samplers[1]));
     for (i = 0; i < plan.pass_count; ++i) assert_false(gl.IsProgram(old.program[i]));
     for (i = 0; i < plan.texture_count; ++i)
         assert_int_equal(gl.IsTexture(old.texture[i][0]), plan.textures[i].life < HBIL_LIFE_TRANSIENT);
@@ -656,6 +801,8 @@ int main(void)
         TEST(init_names_what_is_wrong_with_the_context),
         TEST(init_names_what_is_wrong_with_the_plan),
         TEST(resize_names_the_texture_that_is_wrong),
+        TEST(resize_names_the_shape_that_is_wrong),
+        TEST(a_hook_may_read_resources_of_yours),
         TEST(resize_reports_a_texture_that_cannot_be_made),
         TEST(run_names_what_is_wrong_with_the_frame),
         TEST(an_unchanged_size_keeps_our_textures),

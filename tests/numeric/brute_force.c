@@ -187,30 +187,36 @@ static int follow(const field *f, const line *l)
 
 /* --- one pixel -------------------------------------------------------------------------------------------------- */
 
-/* Sums of one batch: [0] open, [1..3] near, [4..6] bent. */
-static void run_batch(const field *f, int x, int y, const double n[3], int batch, double sum[7])
+enum { SUM_OPEN = 0, SUM_NEAR = 1, SUM_BENT = 4, SUM_FAR = 7, SUMS = 10 }; /* three numbers each from SUM_NEAR on */
+
+/* Means of one batch. */
+static void run_batch(const field *f, int x, int y, const double n[3], int batch, double sum[SUMS])
 {
     const int      pixel = y * f->scene->camera.width + x, count = f->rays / BF_BATCHES;
     const uint32_t key = (uint32_t)pixel;
     const double   shift_u = hash_unit(key, 2u * (uint32_t)batch), shift_v = hash_unit(key, 2u * (uint32_t)batch + 1u);
     double         e1[3], e2[3], w[3];
     basis(n, e1, e2);
-    for (int k = 0; k < 7; ++k) {
+    for (int k = 0; k < SUMS; ++k) {
         sum[k] = 0.0;
     }
     for (int i = 0; i < count; ++i) {
-        double whole;
+        double whole, sky[3] = {0.0, 0.0, 0.0};
         cosine_ray(n, e1, e2, modf(shift_u + i * 0.7548776662466927, &whole), modf(shift_v + i * 0.5698402909980532, &whole), w);
         const line l = line_of(&f->scene->camera, x, y, f->height[pixel], w);
         const int  hit = follow(f, &l);
         if (hit < 0) {
-            sum[0] += 1.0 / count;
+            sum[SUM_OPEN] += 1.0 / count;
+            if (f->scene->sky) {
+                f->scene->sky(f->scene->sky_data, w, sky);
+            }
         }
         for (int k = 0; k < 3; ++k) {
             if (hit < 0) {
-                sum[4 + k] += w[k] / count;
+                sum[SUM_BENT + k] += w[k] / count;
+                sum[SUM_FAR + k] += sky[k] / count;
             } else if (f->scene->radiance) {
-                sum[1 + k] += (double)f->scene->radiance[3 * hit + k] / count;
+                sum[SUM_NEAR + k] += (double)f->scene->radiance[3 * hit + k] / count;
             }
         }
     }
@@ -222,7 +228,7 @@ static void run_pixel(const field *f, int x, int y, bf_pixel *out)
     const float *m = f->scene->normal + 3 * pixel;
     const double nx = (double)m[0], ny = (double)m[1], nz = (double)m[2], length = sqrt(nx * nx + ny * ny + nz * nz);
     const double n[3] = {nx / length, ny / length, nz / length};
-    double       mean[7] = {0}, square[7] = {0}, se[7];
+    double       mean[SUMS] = {0}, square[SUMS] = {0}, se[SUMS];
     bf_pixel     p = {0};
     if ((double)f->scene->depth[pixel] >= f->scene->sky_depth) {
         p.sky = 1.0;
@@ -230,22 +236,24 @@ static void run_pixel(const field *f, int x, int y, bf_pixel *out)
         return;
     }
     for (int b = 0; b < BF_BATCHES; ++b) {
-        double sum[7];
+        double sum[SUMS];
         run_batch(f, x, y, n, b, sum);
-        for (int k = 0; k < 7; ++k) {
+        for (int k = 0; k < SUMS; ++k) {
             mean[k] += sum[k] / BF_BATCHES;
             square[k] += sum[k] * sum[k] / BF_BATCHES;
         }
     }
-    for (int k = 0; k < 7; ++k) {
+    for (int k = 0; k < SUMS; ++k) {
         se[k] = sqrt(fmax(square[k] - mean[k] * mean[k], 0.0) / (BF_BATCHES - 1));
     }
-    p.ao = mean[0];
-    p.ao_se = se[0];
+    p.ao = mean[SUM_OPEN];
+    p.ao_se = se[SUM_OPEN];
     for (int k = 0; k < 3; ++k) {
-        p.near[k] = mean[1 + k];
-        p.near_se[k] = se[1 + k];
-        p.bent[k] = mean[4 + k];
+        p.near[k] = mean[SUM_NEAR + k];
+        p.near_se[k] = se[SUM_NEAR + k];
+        p.bent[k] = mean[SUM_BENT + k];
+        p.far[k] = mean[SUM_FAR + k];
+        p.far_se[k] = se[SUM_FAR + k];
     }
     *out = p;
 }

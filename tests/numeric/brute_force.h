@@ -17,12 +17,17 @@ typedef struct bf_camera {
     double ray[4];
 } bf_camera;
 
+/* Radiance that comes in from a unit direction of view space. data: bf_scene.sky_data. Called from two threads. */
+typedef void bf_sky(const void *data, const double direction[3], double rgb[3]);
+
 typedef struct bf_scene {
     bf_camera    camera;
     const float *depth;     /* m, along the view axis */
     double       sky_depth; /* m, from which on a pixel is sky */
     const float *normal;    /* 3 floats a pixel: unit shading normals */
     const float *radiance;  /* 3 floats a pixel, or NULL: near stays 0 */
+    bf_sky      *sky;       /* what a ray that nothing blocks arrives at, or NULL: far stays 0 */
+    const void  *sky_data;
 } bf_scene;
 
 /* Every stride-th pixel of every stride-th row, from (first, first) on. */
@@ -35,6 +40,7 @@ typedef struct bf_pixel {
     double sky;                 /* 1: no surface here, the rest is 0 */
     double ao, ao_se;           /* visible share, standard error */
     double near[3], near_se[3]; /* E/pi */
+    double far[3], far_se[3];   /* E/pi */
     double bent[3];             /* mean open direction, length 2/3 where all is open */
 } bf_pixel;
 

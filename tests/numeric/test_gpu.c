@@ -14,6 +14,7 @@
 #include "../captures.h"
 #include "analytic.h"
 #include "brute_force.h"
+#include "decimate.h"
 #include "gpu.h"
 #include "slices.h"
 
@@ -46,34 +47,6 @@ static void for_all(int (*check)(const char *name))
         failed += !check(list.name[i]);
     }
     assert_int_equal(failed, 0);
-}
-
-/* Every by-th pixel of every by-th row as a frame of its own, with the same rays through its pixel centres. by: even. */
-static void decimate(capture *cap, int by)
-{
-    const int    width = cap->width / by, height = cap->height / by;
-    image *const images[] = {&cap->depth, &cap->normal, &cap->direct};
-    const int    size[2] = {cap->width, cap->height}, small[2] = {width, height};
-    for (int k = 0; k < 3; ++k) {
-        const int channels = images[k]->channels;
-        image     out;
-        assert_true(image_make(&out, width, height, channels));
-        for (int i = 0; i < width * height; ++i) {
-            const int from = (i / width * by + by / 2) * cap->width + i % width * by + by / 2;
-            memcpy(out.data + i * channels, images[k]->data + from * channels, (size_t)channels * sizeof *out.data);
-        }
-        image_free(images[k]);
-        *images[k] = out;
-    }
-    for (int axis = 0; axis < 2; ++axis) { /* centre x' + 1/2 of the small frame is by (x' + 1/2) + 1/2 of the large one */
-        const double scale = (double)size[axis] / (by * small[axis]), shift = scale * (1.0 - 1.0 / size[axis]) - 1.0;
-        for (int column = 0; column < 4; ++column) {
-            float *m = cap->projection + 4 * column;
-            m[axis] = (float)(scale * (double)m[axis] + shift * (double)m[3]);
-        }
-    }
-    cap->width = width;
-    cap->height = height;
 }
 
 static gpu_input input_of(const capture *cap)
@@ -416,7 +389,7 @@ static int check_against_brute_force(const char *name, const hbil_config *config
     load(name, &cap);
     const int whole = cap.width <= width;
     if (!whole) {
-        decimate(&cap, 2 * ((cap.width + 2 * width - 1) / (2 * width)));
+        assert_true(decimate(&cap, 2 * ((cap.width + 2 * width - 1) / (2 * width))));
     }
     const gpu_input in = input_of(&cap);
     const bf_scene  scene = scene_of(&cap);

@@ -191,6 +191,108 @@ static void roof_hides_nothing(void **state)
     free_synthetic(&s);
 }
 
+/* --- far light: the same closed forms, with a sky behind ----------------------------------------------------------- */
+
+static const float k_black[2] = {0.0f, 0.0f};
+
+/* A sky of orders 0 to 2: radiance = level + slope . d + (d . axis)^2 - 1/3, each channel with other weights; never negative. */
+typedef struct sky_bands { double level[3], slope[3][3], band2[3], axis[3]; } sky_bands;
+
+static const sky_bands k_sky = {{1.2, 1.5, 1.0}, {{0.4, -0.3, 0.2}, {0.0, 0.6, 0.5}, {-0.2, 0.1, -0.7}}, {0.3, -0.2, 0.0},
+                                {0.48, 0.6, 0.64}};
+
+static double dot3(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Integral of the sky times anything whose bands keep their shape: factors of the bands at d. */
+static void sky_at(const sky_bands *sky, const double d[3], double band1, double band2, double rgb[3])
+{
+    const double high = dot3(d, sky->axis);
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = sky->level[c] + band1 * dot3(sky->slope[c], d) + band2 * sky->band2[c] * (high * high - 1.0 / 3.0);
+    }
+}
+
+static void sky_radiance(const void *data, const double direction[3], double rgb[3])
+{
+    sky_at(data, direction, 1.0, 1.0, rgb);
+}
+
+static void sky_over_an_open_plane_has_its_bands_times_two_thirds_and_a_quarter(void **state)
+{
+    double worst = 0.0;
+    (void)state;
+    for (int i = 0; i < 15; ++i) {
+        const double    tilt = i % 5 * 20.0 * k_pi / 180.0, azimuth = i * 1.7;
+        const double    point[3] = {0.0, 0.0, -3.0}, normal[3] = {sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth), cos(tilt)};
+        const wedge     w = wedge_plane(point, normal);
+        const bf_camera camera = i < 10 ? make_camera(0, 1.2, 0.2, 0.0) : make_camera(1, 5.0, 0.3, -0.2);
+        const bf_grid   grid = bf_grid_of(WIDTH, HEIGHT, 6, 24);
+        synthetic       s = make_synthetic(&w, camera, k_black);
+        s.scene.sky = sky_radiance;
+        s.scene.sky_data = &k_sky;
+        bf_pixel *out = run(&s.scene, grid, 4096);
+        double    expected[3];
+        sky_at(&k_sky, normal, 2.0 / 3.0, 0.25, expected);
+        for (int k = 0; k < 3 * grid.columns * grid.rows; ++k) {
+            const bf_pixel *p = &out[k / 3];
+            worst = p->sky == 0.0 ? fmax(worst, fabs(p->far[k % 3] - expected[k % 3])) : worst;
+        }
+        free(out);
+        free_synthetic(&s);
+    }
+    print_message("sky over an open plane: far off by at most %.1e of about 1.2\n", worst);
+    assert_true(worst > 0.0 && worst <= 3e-3);
+}
+
+/* Orders 0 and 1 through the opening of a corner, from beside its edge: directions at angles 0 to `opening` from the own plane.
+ * With w = sin b (cos a away + sin a n) + cos b edge, the bent vector is 4 / (3 pi) times the integral of sin a (cos a, sin a) da. */
+static void check_sky_in_a_corner(int opening_degrees, double *worst)
+{
+    const double    point[3] = {0.0, 0.0, -3.0}, along[3] = {0.0, 1.0, 0.0}, angle = opening_degrees * k_pi / 180.0;
+    const wedge     w = wedge_make(point, along, angle, 0.0);
+    const bf_camera camera = refine(make_camera(0, 1.6, 0.0, 0.0));
+    synthetic       s = make_synthetic(&w, camera, k_black);
+    const bf_grid   grid = {camera.width / 2 - 1, 2, 2, 1}; /* one pixel to either side */
+    sky_bands       sky = k_sky;
+    sky.band2[0] = sky.band2[1] = 0.0;
+    s.scene.sky = sky_radiance;
+    s.scene.sky_data = &sky;
+    bf_pixel *out = run(&s.scene, grid, 32768);
+    for (int i = 0; i < 2; ++i) {
+        int plane;
+        wedge_depth(&w, &camera, grid.first + 2 * i + 0.5, grid.first + 0.5, &plane);
+        const double *n = w.n[plane], *other = w.n[1 - plane], across = dot3(n, other), part = sqrt(1.0 - across * across);
+        const double  ao = 0.5 * (1.0 - cos(angle)), b_away = 2.0 / (3.0 * k_pi) * sin(angle) * sin(angle);
+        const double  b_n = 4.0 / (3.0 * k_pi) * (0.5 * angle - 0.25 * sin(2.0 * angle));
+        for (int c = 0; c < 3; ++c) {
+            double expected = sky.level[c] * ao;
+            for (int k = 0; k < 3; ++k) { /* away from the edge, in the own plane: what the other normal has beside the own one */
+                expected += sky.slope[c][k] * (b_n * n[k] + b_away * (other[k] - across * n[k]) / part);
+            }
+            *worst = fmax(*worst, fabs(out[i].far[c] - expected));
+            assert_true(out[i].far_se[c] > 0.0 && out[i].far_se[c] < 0.01);
+        }
+    }
+    free(out);
+    free_synthetic(&s);
+}
+
+static void sky_in_a_corner_is_level_times_ao_and_slope_times_bent(void **state)
+{
+    double worst = 0.0;
+    (void)state;
+    for (int opening = 70; opening <= 160; opening += 30) {
+        check_sky_in_a_corner(opening, &worst);
+    }
+    print_message("sky in a corner, beside its edge: far off by at most %.1e of about 1\n", worst);
+    assert_true(worst <= 1e-2); /* the screen cuts off as much as for ao, times a radiance of 1 to 2 */
+}
+
+/* --- repeated ------------------------------------------------------------------------------------------------------ */
+
 static void same_arguments_give_the_same_bits(void **state)
 {
     const double  point[3] = {0.0, 0.0, -3.0}, along[3] = {0.6, 0.8, 0.0};
@@ -355,6 +457,8 @@ int main(void)
         cmocka_unit_test(corner_seen_from_beside_its_edge_is_one_plus_cosine_over_two),
         cmocka_unit_test(corner_on_the_screen_has_its_form_factor),
         cmocka_unit_test(roof_hides_nothing),
+        cmocka_unit_test(sky_over_an_open_plane_has_its_bands_times_two_thirds_and_a_quarter),
+        cmocka_unit_test(sky_in_a_corner_is_level_times_ao_and_slope_times_bent),
         cmocka_unit_test(same_arguments_give_the_same_bits),
         cmocka_unit_test(other_rays_meet_ours_in_every_capture),
         cmocka_unit_test(slices_meet_the_rays_in_every_capture),

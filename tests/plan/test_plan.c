@@ -53,7 +53,7 @@ static void finds(const hbil_plan *plan, const char *what)
 static void null_backend_finds_each_fault(void **state)
 {
     hbil_plan good = full_plan(HBIL_TARGET_VULKAN), p;
-    int32_t march = hbil_plan_pass(&good, "march"), composite = hbil_plan_pass(&good, "composite");
+    int32_t march = hbil_plan_pass(&good, "march"), light = hbil_plan_pass(&good, "light");
     uint32_t b;
     (void)state;
     for (b = 0; b < good.passes[march].barrier_count; ++b) { /* each missing barrier */
@@ -65,7 +65,7 @@ static void null_backend_finds_each_fault(void **state)
     p.passes[0].barrier_count = 0;
     finds(&p, "no barrier between read and write");
     p = good;
-    p.passes[composite].barriers[p.passes[composite].barrier_count++] = p.passes[march].barriers[0];
+    p.passes[light].barriers[p.passes[light].barrier_count++] = p.passes[march].barriers[0];
     finds(&p, "barrier without need");
     p = good;
     p.passes[march].barriers[0].before = HBIL_ACCESS_SAMPLE;
@@ -109,6 +109,59 @@ static void null_backend_finds_each_fault(void **state)
     assert_int_equal(hbil_null_check(&good, 640, 360, NULL), 0);
 }
 
+static hbil_plan plan_of(const char *config)
+{
+    hbil_config c;
+    hbil_plan plan;
+    memset(&c, 0, sizeof c);
+    assert_int_equal(hbil_config_parse(&c, config, strlen(config), NULL), HBIL_OK);
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    return plan;
+}
+
+static void null_backend_finds_each_wrong_shape(void **state)
+{
+    static const struct { const char *texture; int dim, layers, mips; const char *what; } wrong[] = {
+        { "ao", 0, 1, 1, "dim is no hbil_dim" },
+        { "ao", HBIL_DIM_3D + 1, 1, 1, "dim is no hbil_dim" },
+        { "ao", HBIL_DIM_CUBE, 1, 1, "only an input" },
+        { "view_depth", HBIL_DIM_2D_MULTISAMPLE, 1, 1, "only an input" },
+        { "ao", HBIL_DIM_2D, 0, 1, "layers must be at least 1" },
+        { "sh", HBIL_DIM_2D_ARRAY, 0, 1, "layers must be at least 1" },
+        { "sh", HBIL_DIM_2D, 4, 1, "layers, but dim is not 2D_ARRAY" },
+        { "sky", HBIL_DIM_CUBE, 6, 1, "layers, but dim is not 2D_ARRAY" },
+        { "depth", HBIL_DIM_2D_MULTISAMPLE, 1, 2, "no mips" } };
+    hbil_plan good = plan_of("outputs=ao+sh+far environment=cube multisample=yes sample=2"), p;
+    uint16_t sky = (uint16_t)hbil_plan_texture(&good, "sky");
+    size_t i;
+    (void)state;
+    assert_int_equal(hbil_null_check(&good, 640, 360, NULL), 0);
+    assert_int_equal(good.textures[sky].dim, HBIL_DIM_CUBE);
+    assert_int_equal(good.textures[hbil_plan_texture(&good, "sh")].layers, 4);
+    for (i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        hbil_texture *t = &good.textures[hbil_plan_texture(&good, wrong[i].texture)], kept = *t;
+        t->dim = (uint16_t)wrong[i].dim;
+        t->layers = (uint16_t)wrong[i].layers;
+        t->mips = (uint16_t)wrong[i].mips;
+        finds(&good, wrong[i].what);
+        *t = kept;
+    }
+    p = good;
+    p.passes[0].domain = sky;
+    finds(&p, "size of your own");
+    p = good;
+    p.passes[0].hook = 1;
+    finds(&p, "environment is not hook");
+    p = good;
+    p.passes[0].bindings[p.passes[0].binding_count].texture = sky;
+    p.passes[0].bindings[p.passes[0].binding_count].slot = 9;
+    p.passes[0].bindings[p.passes[0].binding_count++].access = HBIL_ACCESS_WRITE;
+    finds(&p, "neither 2D nor 2D_ARRAY");
+    p = plan_of("outputs=far environment=hook");
+    assert_int_equal(hbil_null_check(&p, 640, 360, NULL), 0);
+    assert_int_equal(p.passes[hbil_plan_pass(&p, "light")].hook, 1);
+}
+
 /* A history of two copies, by hand: read last frame's, write this frame's. */
 static void null_backend_follows_history(void **state)
 {
@@ -124,6 +177,8 @@ static void null_backend_follows_history(void **state)
     p.textures[0].life = HBIL_LIFE_HISTORY;
     p.textures[0].div = p.textures[0].mips = 1;
     p.textures[0].copies = 2;
+    p.textures[0].dim = HBIL_DIM_2D;
+    p.textures[0].layers = 1;
     strcpy(p.passes[0].name, "blend");
     p.passes[0].group[0] = p.passes[0].group[1] = 8;
     p.passes[0].binding_count = 2;
@@ -174,6 +229,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_backend_passes_over_the_matrix_and_odd_sizes),
         cmocka_unit_test(null_backend_finds_each_fault),
+        cmocka_unit_test(null_backend_finds_each_wrong_shape),
         cmocka_unit_test(null_backend_follows_history),
         cmocka_unit_test(equal_configs_give_equal_bytes),
         cmocka_unit_test(plan_names_stand_in_the_text),

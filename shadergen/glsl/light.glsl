@@ -1,0 +1,149 @@
+// light: what follows from visibility per pixel; cone, far light, sums, specular occlusion, bounces.
+
+//@ chunk hbil_angle
+// acos with the accuracy of atan, which acos does not have on every driver. rad
+float hbil_angle(float c) {
+    return atan(sqrt(max((1.0 - c) * (1.0 + c), 0.0)), c);
+}
+
+//@ chunk hbil_caps
+// Solid angle that two spherical caps share. c1, c2: cosines of their half angles; d: angle between their axes, rad.
+float hbil_caps(float c1, float c2, float d) {
+    float a1 = hbil_angle(c1);
+    float a2 = hbil_angle(c2);
+    if (d >= a1 + a2) return 0.0;
+    if (d <= abs(a1 - a2)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));
+    float s1 = sqrt(max((1.0 - c1) * (1.0 + c1), 1e-12));
+    float s2 = sqrt(max((1.0 - c2) * (1.0 + c2), 1e-12));
+    float cd = cos(d);
+    float sd = max(sin(d), 1e-6);
+    float lens = HBIL_PI - hbil_angle(clamp((cd - c1 * c2) / (s1 * s2), -1.0, 1.0))
+        - c1 * hbil_angle(clamp((c2 - cd * c1) / (sd * s1), -1.0, 1.0))
+        - c2 * hbil_angle(clamp((c1 - cd * c2) / (sd * s2), -1.0, 1.0));
+    return max(2.0 * lens, 0.0);
+}
+
+//@ chunk hbil_specular_occlusion
+// Part of the specular lobe that the visible cone leaves: GTSO with the open hemisphere's share of the lobe below it,
+// so
+// that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.
+float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {
+    float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));
+    vec3 mirror = 2.0 * dot(n, v) * n - v;
+    float seen = hbil_caps(sqrt(clamp(1.0 - ao, 0.0, 1.0)), lobe, hbil_angle(clamp(dot(axis, mirror), -1.0, 1.0)));
+    float open = hbil_caps(0.0, lobe, hbil_angle(clamp(dot(n, mirror), -1.0, 1.0)));
+    return mix(clamp(seen / max(open, 1e-6), 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));
+}
+
+//@ chunk hbil_multi_bounce
+// Visibility after all bounces between surfaces of this albedo and visibility, per channel.
+vec3 hbil_multi_bounce(float ao, vec3 albedo) {
+#if HBIL_BOUNCE_CUBIC
+    vec3 a = 2.0404 * albedo - 0.3324;
+    vec3 b = -4.7951 * albedo + 0.6417;
+    vec3 c = 2.7552 * albedo + 0.6903;
+    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);
+#else
+    return ao / max(1.0 - albedo * (1.0 - ao), 1e-6);
+#endif
+}
+
+//@ chunk hbil_load_albedo
+vec3 hbil_load_albedo(ivec2 p) {
+    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));
+}
+
+//@ chunk hbil_far_light
+// Far irradiance of a pixel.
+vec3 hbil_far_light(ivec2 p, float z, vec3 n, float ao, vec3 bent) {
+    vec3 far = HBIL_FAR_INTENSITY * max(hbil_far(hbil_position(vec2(p) + 0.5, z), n, ao, bent), 0.0);
+#if !HBIL_F0_NONE
+    far *= hbil_diffuse(p);
+#endif
+    return far;
+}
+
+//@ chunk hbil_shade
+// Outputs of a pixel with a surface.
+void hbil_shade(ivec2 p, float z) {
+#if HBIL_LIGHT_AO
+    float ao = texelFetch(u_ao, p, 0).r;
+#endif
+#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || (HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT)
+    vec3 v = hbil_view_vector(vec2(p) + 0.5);
+    vec3 n = hbil_turned(hbil_load_normal(p), v);
+#endif
+#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT
+    vec3 bent = texelFetch(u_bent, p, 0).xyz * vec3(1.0, 1.0, HBIL_VIEW_Z);
+#endif
+#if HBIL_OUTPUTS_CONE
+    imageStore(u_cone, p, vec4(hbil_direction(bent, n) * vec3(1.0, 1.0, HBIL_VIEW_Z), hbil_cone_cosine(ao)));
+#endif
+#if HBIL_OUTPUTS_SPECULAR_OCCLUSION
+#if HBIL_ROUGHNESS_0
+    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);
+#else
+    float roughness = HBIL_ROUGHNESS;
+#endif
+    imageStore(u_specular_occlusion, p, vec4(hbil_specular_occlusion(n, v, ao, hbil_direction(bent, n), roughness)));
+#endif
+#if HBIL_OUTPUTS_MULTI_BOUNCE
+    imageStore(u_multi_bounce, p, vec4(hbil_multi_bounce(ao, hbil_load_albedo(p)), 1.0));
+#endif
+#if HBIL_FAR_BITS
+    vec3 irradiance = texelFetch(u_far, p, 0).rgb;
+#elif HBIL_ENVIRONMENT_CONSTANT
+    vec3 irradiance = hbil_far_light(p, z, vec3(0.0), ao, vec3(0.0));
+#elif HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_AO
+    vec3 irradiance = hbil_far_light(p, z, n, ao, vec3(0.0));
+#elif HBIL_FAR_LIGHT
+    vec3 irradiance = hbil_far_light(p, z, n, ao, bent);
+#elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE
+    vec3 irradiance = vec3(0.0);
+#endif
+#if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS
+    imageStore(u_far, p, vec4(irradiance, 1.0));
+#endif
+#if HBIL_NEAR_LIGHT && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)
+    irradiance += texelFetch(u_near, p, 0).rgb;
+#endif
+#if HBIL_OUTPUTS_IRRADIANCE
+    imageStore(u_irradiance, p, vec4(irradiance, 1.0));
+#endif
+#if HBIL_OUTPUTS_COMPOSITE
+    vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);
+    imageStore(u_composite, p, vec4(direct + hbil_load_albedo(p) * irradiance, 1.0));
+#endif
+}
+
+//@ chunk hbil_shade_sky
+// Outputs of a pixel without a surface.
+void hbil_shade_sky(ivec2 p) {
+#if HBIL_OUTPUTS_CONE
+    imageStore(u_cone, p, vec4(0.0));
+#endif
+#if HBIL_OUTPUTS_SPECULAR_OCCLUSION
+    imageStore(u_specular_occlusion, p, vec4(1.0));
+#endif
+#if HBIL_OUTPUTS_MULTI_BOUNCE
+    imageStore(u_multi_bounce, p, vec4(1.0));
+#endif
+#if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS
+    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));
+#endif
+#if HBIL_OUTPUTS_IRRADIANCE
+    imageStore(u_irradiance, p, vec4(0.0, 0.0, 0.0, 1.0));
+#endif
+#if HBIL_OUTPUTS_COMPOSITE
+    imageStore(u_composite, p, vec4(hbil_finite(texelFetch(u_direct, p, 0).rgb), 1.0));
+#endif
+}
+
+//@ chunk main
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
+    float z = hbil_load_depth(p);
+    if (z < HBIL_SKY) hbil_shade(p, z);
+    else hbil_shade_sky(p);
+}
