@@ -72,18 +72,21 @@
  * >>outputs    of the shaders. V(w): visibility of the direction w; n: shading normal; integrals over the hemisphere of n
  *
  *   ao                  (1/pi) int V (n.w) dw with estimator horizon or bitmask; hbao weighs all directions alike, hbao_plus is
- *                       a share of samples. 1 is open. near + ao = 1 if all radiance is 1, to rounding, for any samples.
+ *                       a share of samples. 1 is open. For any samples near + ao = 1 to rounding if all radiance is 1; facing, f0,
+ *                       firefly, intensities, ao_exponent and seed_compat leave that on purpose.
  *   uniform_ao          (1/2pi) int V dw.
- *   bent                (1/pi) int V w (n.w) dw in your view space; length 2/3 and direction n when open.
+ *   bent                (1/pi) int V w (n.w) dw in your view space; length 2/3 and direction n when open. Wants slices >= 2.
  *   cone                xyz: bent as a unit vector (n where all is blocked); a: cosine of the half angle whose cone about n has
  *                       this ao, sqrt(1 - ao).
  *   near                (1/pi) int (1 - V) L (n.w) dw, L the radiance of what blocks. Times 1 - F0 with the option f0.
- *   sh                  layer k of Y00, Y1-1, Y10, Y11 in your view space: rgb int (1 - V) L Yk dw, a int V Yk dw.
+ *   sh                  layer k of Y00, Y1-1, Y10, Y11 in your view space: rgb int (1 - V) L Yk dw, a int V Yk dw. near_intensity
+ *                       counts, F0 and ao_exponent do not.
  *   far                 (1/pi) int V L (n.w) dw, L the environment. far_visibility says how V meets L:
  *       bent            exact in bands 0 and 1 of SH, band 2 through the cone; of other environments ao * value(bent direction)
  *       ao, direction   ao * value of an open surface that faces n, or the bent direction
  *       cone            an open cone about the bent direction
- *       free_bits       radiance by the middle of each group of 8 sectors: several gaps keep their own light
+ *       free_bits       radiance by the middle of each group of 8 sectors: several gaps keep their own light. ao_exponent does
+ *                       not count here
  *   irradiance          near + far.
  *   specular_occlusion  share of the specular lobe that the cone leaves; 1 where nothing is hidden. Lobes rougher than .5 go over to
  *                       ao.
@@ -107,7 +110,8 @@
  *
  *   memory     none is taken. Everything lives in your structs and buffers; a plan is plain data below 8 KB, without pointers.
  *   threads    every function may run on any number of threads at once, on different outputs. There is no global state.
- *   text       same config, same bytes: on every compiler, platform and locale, in every run. Equal hash, equal text.
+ *   text       same config, same bytes: on every compiler, platform and locale, in every run. Equal hash, equal text (your hook's
+ *              own text apart).
  *   errors     collected, not the first one only; each names the option and the legal range. Input never trips an assertion.
  *   versions   source-compatible within a major version; a new member at zero changes nothing. Emitted text may change with
  *              any version: CHANGELOG.md says so under EMIT, and HBIL_VERSION is part of the hash.
@@ -118,6 +122,7 @@
  *
  *                       vulkan (GLSL 450)        gl (GLSL 430 core)
  *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
+ *   storage images      up to 6 in a pass (all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
  *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
  *   real GPU            untested                 untested
  */
@@ -265,7 +270,7 @@ typedef struct hbil_config {
     float far_intensity;
     /* factor 1 - F0 of near and far light: none, from the red channel or per channel of u_f0. metals get none. {none, scalar, rgb}, default none. baked. source: Mayaux 2018 sec. 2.3.3 */
     int32_t f0;
-    /* power of ao and of what it weighs; other than 1 is taste, not physics. 1, [0.1, 8], default 1. baked or dynamic. source: YPipeline HBIL article */
+    /* power of ao, and so of bent and far light by it; other than 1 is taste, not physics. 1, [0.1, 8], default 1. baked or dynamic. source: YPipeline HBIL article */
     float ao_exponent;
     /* multi-bounce ao of albedo r and visibility v: v / (1 - r (1 - v)), or the cubic fit. {closed, cubic}, default closed. baked. source: project, Jimenez 2016 */
     int32_t bounce;
@@ -406,7 +411,7 @@ typedef struct hbil_frame {
     float    far_sh[9][3];  /* environment=sh: radiance by [l*l+l+m], world space. Y00 .282095, Y1-1 Y10 Y11 .488603 y z x,
                                Y2-2 Y2-1 Y21 1.092548 xy yz xz, Y20 .315392 (3zz-1), Y22 .546274 (xx-yy). order 1 reads four */
     float    probe_origin[3], probe_step[3]; /* environment=probes: probe (i, j, k) stands at origin + step * (i, j, k). m, world */
-    const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored */
+    const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored. 0: as in the plan */
 } hbil_frame;
 
 typedef struct hbil_dispatch { uint32_t groups[3]; } hbil_dispatch;
@@ -470,9 +475,10 @@ HBIL_API hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *b
 /* The same for a pass with .hook = 1 (environment=hook): hook is your GLSL text, terminated, that defines
  *     vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture)
  * position: of the surface, world, m. direction: unit, world, into the middle of the visible part. cos_aperture: cosine of the half
- * angle of the visible cone. Returns what an open surface that faces there would get, as E/pi; with far_visibility=free_bits the
- * radiance from there. It may declare what it needs (bindings in set 1). Errors of the compiler point into it as source 1.
- * E_HOOK: no such function, or a #version or main in it; diags say which. */
+ * angle of the visible cone, 1 with free_bits. Returns what an open surface that faces there would get, as E/pi; with far_visibility=free_bits the
+ * radiance from there. It may declare what it needs (bindings in set 1), but no name that begins with hbil_, HBIL_ or u_. Errors of
+ * the compiler point into it as source 1. E_HOOK: no such function, #version or main in it, something left open; diags say which.
+ * The text is longer than HBIL_GLSL_MAX by that of the hook, and the plan's hash does not know it. */
 HBIL_API hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char *hook, char *buf, size_t cap,
                                          size_t *need, hbil_diags *diags);
 /* JSON description of the plan, for engines not written in C. E_SPACE */
@@ -642,7 +648,7 @@ static const hbil_option hbil__options[] = {
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, f0), 1, 3, 1 },
     { "ao_exponent", "1", "",
       "HBIL_AO || HBIL_BENT",
-      "power of ao and of what it weighs; other than 1 is taste, not physics",
+      "power of ao, and so of bent and far light by it; other than 1 is taste, not physics",
       "YPipeline HBIL article",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_AO_EXPONENT, (uint32_t)offsetof(hbil_config, ao_exponent), 0.1, 8, 1 },
     { "bounce", "", "closed cubic",
@@ -731,6 +737,8 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "NEAR_LIGHT", "HBIL_OUTPUTS_NEAR || ((HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && HBIL_COSINE)" }, /* u_near is written */
     { "GATHER", "HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH" }, /* the march reads radiance */
     { "FAR_LIGHT", "!HBIL_ENVIRONMENT_NONE" }, /* far light is computed */
+    { "FAR_SH", "HBIL_ENVIRONMENT_SH || HBIL_ENVIRONMENT_PROBES" }, /* the environment is spherical harmonics */
+    { "BAND_2", "HBIL_FAR_SH && HBIL_SH_ORDER_2 && HBIL_FAR_VISIBILITY_BENT" }, /* band 2 comes in through the cone */
     { "FAR_BITS", "HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_FREE_BITS" }, /* the march samples the environment, per group of free sectors */
     { "FAR_HERE", "HBIL_FAR_LIGHT && !HBIL_FAR_VISIBILITY_FREE_BITS" }, /* the light pass samples the environment, once */
     { "FAR_BENT", "HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_FAR_VISIBILITY_AO" }, /* far light needs the bent vector */
@@ -738,7 +746,10 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "BENT", "HBIL_OUTPUTS_BENT || HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT" }, /* u_bent is written */
     { "LIGHT_AO", "HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_OUTPUTS_MULTI_BOUNCE || HBIL_FAR_HERE" }, /* the light pass reads u_ao */
     { "AO", "HBIL_OUTPUTS_AO || HBIL_LIGHT_AO" }, /* u_ao is written */
-    { "SUMS", "HBIL_AO || HBIL_BENT || HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* the ratio of the slices is needed */
+    { "VISIBILITY", "HBIL_AO || (HBIL_BENT && !HBIL_AO_EXPONENT_1)" }, /* the march needs ao as a number */
+    { "RATIO", "HBIL_COSINE && !HBIL_SEED_COMPAT_SLICE_MEAN && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_OUTPUTS_SH || HBIL_FAR_BITS)" }, /* sums are divided by the light of an open sky in the same slices */
+    { "SUMS", "HBIL_COSINE && (HBIL_RATIO || HBIL_VISIBILITY)" }, /* light of an open sky and its blocked part are added up */
+    { "SPANS", "HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* sectors are turned back into directions */
 };
 static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
     { "HBIL_OUTPUTS_NEAR && !HBIL_COSINE",
@@ -751,7 +762,7 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "the ao of hbao is uniform already, and hbao_plus has no such measure", "outputs=ao" },
     { "(HBIL_OUTPUTS_BENT || HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION) && !HBIL_COSINE",
       "bent vector, cone and specular occlusion need estimator horizon or bitmask", "outputs=ao" },
-    { "HBIL_OUTPUTS_MULTI_BOUNCE && (HBIL_GATHER || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)",
+    { "HBIL_OUTPUTS_MULTI_BOUNCE && HBIL_GATHER",
       "multi_bounce next to near light counts the same energy twice", "outputs=ao+multi_bounce" },
     { "HBIL_OUTPUTS_FAR && HBIL_ENVIRONMENT_NONE",
       "outputs=far without an environment", "environment=sh" },
@@ -761,14 +772,24 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "sectors do not sink; the bitmask has thickness itself", "occluder=thick" },
     { "HBIL_FAR_LIGHT && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_COSINE && !HBIL_FAR_VISIBILITY_AO",
       "hbao and hbao_plus have no bent vector", "far_visibility=ao" },
-    { "HBIL_FAR_BITS && !HBIL_ENVIRONMENT_CONSTANT && !HBIL_ESTIMATOR_BITMASK",
+    { "HBIL_FAR_BITS && HBIL_ESTIMATOR_HORIZON",
       "only the bitmask has sectors", "far_visibility=bent" },
     { "HBIL_SEED_COMPAT_UNIFORM_BENT && HBIL_ESTIMATOR_BITMASK && HBIL_BENT",
       "seed_compat=uniform_bent is arithmetic of horizons", "seed_compat=none" },
-    { "HBIL_FAR_VISIBILITY_CONE && (HBIL_ENVIRONMENT_CUBE || HBIL_ENVIRONMENT_HOOK)",
+    { "HBIL_SEED_COMPAT_UNIFORM_BENT && HBIL_FAR_HERE && HBIL_FAR_SH && HBIL_FAR_VISIBILITY_BENT",
+      "far light by the bent vector wants it cosine-weighted, which uniform_bent is not", "far_visibility=direction" },
+    { "HBIL_COSINE && HBIL_FAR_VISIBILITY_CONE && (HBIL_ENVIRONMENT_CUBE || HBIL_ENVIRONMENT_HOOK)",
       "only spherical harmonics have a closed form for a cone", "far_visibility=bent" },
     { "(HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM) && HBIL_NORMALS_WORLD",
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
+};
+static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
+    { 42, 0x1, "" }, /* seed_compat=screen_azimuth */
+    { 42, 0x2, "HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 42, 0x4, "!HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 42, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 42, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 42, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
     { "fast", "for weak GPUs; noisy without a filter",
@@ -1113,9 +1134,9 @@ static const char hbil__glsl_common_hbil_diffuse[] =
 "// Part of the light that a surface does not mirror: 1 - F0. Metals get none.\n"
 "vec3 hbil_diffuse(ivec2 p) {\n"
 "#if HBIL_F0_RGB\n"
-"    return 1.0 - clamp(texelFetch(u_f0, p, 0).rgb, 0.0, 1.0);\n"
+"    return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rgb), 1.0);\n"
 "#else\n"
-"    return vec3(1.0 - clamp(texelFetch(u_f0, p, 0).r, 0.0, 1.0));\n"
+"    return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rrr), 1.0);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_environment_hbil_to_world[] =
@@ -1143,12 +1164,12 @@ static const char hbil__glsl_environment_HBIL_SLABS[] =
 "#endif\n";
 static const char hbil__glsl_environment_hbil_load_sh[] =
 "#if HBIL_ENVIRONMENT_PROBES\n"
-"// Probes around a position, trilinear; beyond the grid its border goes on.\n"
+"// Probes around a position in the world, trilinear; beyond the grid its border goes on.\n"
 "hbil_sh hbil_load_sh(vec3 position) {\n"
 "    hbil_sh sh;\n"
 "    vec3 size = vec3(textureSize(u_probes, 0));\n"
 "    float slab = size.z / float(HBIL_SLABS);\n"
-"    vec3 cell = (hbil_world_position(position) - HBIL_PROBE_ORIGIN.xyz) * HBIL_PROBE_SCALE.xyz;\n"
+"    vec3 cell = (position - HBIL_PROBE_ORIGIN.xyz) * HBIL_PROBE_SCALE.xyz;\n"
 "    cell = clamp(cell, vec3(0.0), vec3(size.xy, slab) - 1.0) + 0.5; // half a texel from the next slab: none bleeds over\n"
 "    for (int k = 0; k < 4; ++k)\n"
 "        sh.low[k] = textureLod(u_probes, (cell + vec3(0.0, 0.0, float(k) * slab)) / size, 0.0).rgb;\n"
@@ -1159,7 +1180,7 @@ static const char hbil__glsl_environment_hbil_load_sh[] =
 "    return sh;\n"
 "}\n"
 "#else\n"
-"hbil_sh hbil_load_sh(vec3 position) {\n"
+"hbil_sh hbil_load_sh() {\n"
 "    hbil_sh sh;\n"
 "    for (int k = 0; k < 4; ++k) sh.low[k] = HBIL_FAR_SH1[k].rgb;\n"
 "#if HBIL_SH_ORDER_2\n"
@@ -1203,44 +1224,47 @@ static const char hbil__glsl_environment_hbil_fit[] =
 "    return ao;\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_environment_hbil_far[] =
-"// Far irradiance E/pi. All in the space of the passes; bent is not normalised.\n"
-"vec3 hbil_far(vec3 position, vec3 n, float ao, vec3 bent) {\n"
-"#if HBIL_ENVIRONMENT_CONSTANT\n"
-"    return hbil_fit(ao) * HBIL_FAR_COLOR.rgb;\n"
-"#else\n"
-"#if HBIL_FAR_VISIBILITY_AO\n"
-"    vec3 d = hbil_to_world(n);\n"
-"#else\n"
-"    vec3 d = hbil_to_world(hbil_direction(bent, n));\n"
+static const char hbil__glsl_environment_hbil_opening[] =
+"#if HBIL_FAR_HERE\n"
+"// The visible part of a pixel's hemisphere, as far light asks for it. World space.\n"
+"struct hbil_opening {\n"
+"    float ao;\n"
+"#if !HBIL_ENVIRONMENT_CONSTANT\n"
+"    vec3 axis;     // unit: into its middle, or the normal\n"
 "#endif\n"
-"#if HBIL_ENVIRONMENT_CUBE\n"
-"    return hbil_fit(ao) * textureLod(u_sky, d, 0.0).rgb;\n"
+"#if HBIL_FAR_SH && HBIL_FAR_VISIBILITY_BENT\n"
+"    float bent;    // length of the bent vector\n"
+"#endif\n"
+"#if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK\n"
+"    vec3 position; // of the surface. m\n"
+"#endif\n"
+"};\n"
+"#endif\n";
+static const char hbil__glsl_environment_hbil_far[] =
+"#if HBIL_FAR_HERE\n"
+"// Far irradiance E/pi through an opening.\n"
+"vec3 hbil_far(hbil_opening o) {\n"
+"#if HBIL_ENVIRONMENT_CONSTANT\n"
+"    return hbil_fit(o.ao) * hbil_finite(HBIL_FAR_COLOR.rgb);\n"
+"#elif HBIL_ENVIRONMENT_CUBE\n"
+"    return hbil_fit(o.ao) * hbil_finite(textureLod(u_sky, o.axis, 0.0).rgb);\n"
 "#elif HBIL_ENVIRONMENT_HOOK\n"
-"    return hbil_fit(ao) * hbil_far_hook(hbil_world_position(position), d, hbil_cone_cosine(ao));\n"
-"#elif HBIL_FAR_VISIBILITY_CONE\n"
-"    return hbil_sh_sum(hbil_load_sh(position), d, hbil_cone_bands(hbil_cone_cosine(ao)));\n"
+"    return hbil_fit(o.ao) * hbil_finite(hbil_far_hook(o.position, o.axis, hbil_cone_cosine(o.ao)));\n"
+"#else\n"
+"#if HBIL_ENVIRONMENT_PROBES\n"
+"    hbil_sh sh = hbil_load_sh(o.position);\n"
+"#else\n"
+"    hbil_sh sh = hbil_load_sh();\n"
+"#endif\n"
+"#if HBIL_FAR_VISIBILITY_CONE\n"
+"    return hbil_finite(hbil_sh_sum(sh, o.axis, hbil_cone_bands(hbil_cone_cosine(o.ao))));\n"
 "#elif HBIL_FAR_VISIBILITY_BENT\n"
 "    // exact in bands 0 and 1, whatever is visible; band 2 as through the cone\n"
-"    vec3 bands = vec3(ao, length(bent), hbil_cone_bands(hbil_cone_cosine(ao)).z);\n"
-"    return hbil_sh_sum(hbil_load_sh(position), d, bands);\n"
+"    vec3 bands = vec3(o.ao, o.bent, hbil_cone_bands(hbil_cone_cosine(o.ao)).z);\n"
+"    return hbil_finite(hbil_sh_sum(sh, o.axis, bands));\n"
 "#else\n"
-"    return hbil_fit(ao) * hbil_sh_sum(hbil_load_sh(position), d, vec3(1.0, 2.0 / 3.0, 0.25));\n"
+"    return hbil_fit(o.ao) * hbil_finite(hbil_sh_sum(sh, o.axis, vec3(1.0, 2.0 / 3.0, 0.25)));\n"
 "#endif\n"
-"#endif\n"
-"}\n";
-static const char hbil__glsl_environment_hbil_far_arc[] =
-"#if HBIL_FAR_BITS\n"
-"// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
-"// bent: their cosine-weighted directions in the space of the passes.\n"
-"vec3 hbil_far_arc(vec3 position, float energy, vec3 bent) {\n"
-"    vec3 d = hbil_to_world(normalize(bent));\n"
-"#if HBIL_ENVIRONMENT_CUBE\n"
-"    return energy * textureLod(u_sky, d, 0.0).rgb;\n"
-"#elif HBIL_ENVIRONMENT_HOOK\n"
-"    return energy * hbil_far_hook(hbil_world_position(position), d, 1.0);\n"
-"#else\n"
-"    return hbil_sh_sum(hbil_load_sh(position), d, vec3(energy, length(bent), energy));\n"
 "#endif\n"
 "}\n"
 "#endif\n";
@@ -1331,17 +1355,20 @@ static const char hbil__glsl_slice_hbil_receiver[] =
 "    ivec2 pixel;\n"
 "    vec3 position; // pulled towards the camera\n"
 "    vec3 v;        // to the eye\n"
-"    vec3 n;        // n.v >= HBIL_FACING\n"
+"    vec3 n;        // n.v >= HBIL_LEAST_NY\n"
 "    float ny;      // n.v, the same in every slice\n"
+"#if HBIL_FAR_BITS && HBIL_FAR_SH\n"
+"    hbil_sh sh;    // environment around it\n"
+"#endif\n"
 "};\n";
-static const char hbil__glsl_slice_HBIL_FACING[] =
-"const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes\n";
+static const char hbil__glsl_slice_HBIL_LEAST_NY[] =
+"const float HBIL_LEAST_NY = 0.001; // of the cosine of normal and view vector; a turned normal darkens planes\n";
 static const char hbil__glsl_slice_hbil_turned[] =
 "// A shading normal may face away from the eye (interpolated, bumped): it is turned until it does not, since the\n"
 "// horizons of a slice then lie on both sides of V, which all closed forms below rely on.\n"
 "vec3 hbil_turned(vec3 n, vec3 v) {\n"
 "    float ny = dot(n, v);\n"
-"    return ny < HBIL_FACING ? normalize(n + (HBIL_FACING - ny) * v) : n;\n"
+"    return ny < HBIL_LEAST_NY ? normalize(n + (HBIL_LEAST_NY - ny) * v) : n;\n"
 "}\n";
 static const char hbil__glsl_slice_hbil_receive[] =
 "hbil_receiver hbil_receive(ivec2 p, float z) {\n"
@@ -1351,6 +1378,11 @@ static const char hbil__glsl_slice_hbil_receive[] =
 "    r.v = hbil_view_vector(vec2(p) + 0.5);\n"
 "    r.n = hbil_turned(hbil_load_normal(p), r.v);\n"
 "    r.ny = dot(r.n, r.v);\n"
+"#if HBIL_FAR_BITS && HBIL_ENVIRONMENT_PROBES\n"
+"    r.sh = hbil_load_sh(hbil_world_position(r.position));\n"
+"#elif HBIL_FAR_BITS && HBIL_ENVIRONMENT_SH\n"
+"    r.sh = hbil_load_sh();\n"
+"#endif\n"
 "    return r;\n"
 "}\n";
 static const char hbil__glsl_slice_hbil_surface_depth[] =
@@ -1375,8 +1407,10 @@ static const char hbil__glsl_slice_hbil_side[] =
 "    vec2 d;         // its direction on the screen, unit\n"
 "    float reach_px; // pixels to search\n"
 "    float jitter;\n"
+"#if !HBIL_ESTIMATOR_HBAO_PLUS\n"
 "    float nx;       // normal along the tangent\n"
 "    float c0;       // horizon of the tangent plane, where the search starts\n"
+"#endif\n"
 "};\n";
 static const char hbil__glsl_slice_hbil_side_of[] =
 "// back: -1 for the side of -D, 1 for the other one.\n"
@@ -1389,8 +1423,10 @@ static const char hbil__glsl_slice_hbil_side_of[] =
 "    s.reach_px = min(s.reach_px, hbil_reach(r.position, r.v, s.tangent));\n"
 "#endif\n"
 "    s.jitter = jitter;\n"
+"#if !HBIL_ESTIMATOR_HBAO_PLUS\n"
 "    s.nx = dot(r.n, s.tangent);\n"
 "    s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);\n"
+"#endif\n"
 "    return s;\n"
 "}\n";
 static const char hbil__glsl_slice_hbil_visit[] =
@@ -1438,8 +1474,7 @@ static const char hbil__glsl_slice_HBIL_FILTER_HIGH[] =
 static const char hbil__glsl_slice_hbil_source[] =
 "#if HBIL_FACING_FILTER\n"
 "// Light of the pixel q, seen along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
-"// not\n"
-"// what lights the receiver: the last light that was accepted stands in.\n"
+"// not what lights the receiver: the last light that was accepted stands in.\n"
 "vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {\n"
 "    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(q), along));\n"
 "    accepted = mix(accepted, hbil_load_radiance(q), t);\n"
@@ -1452,7 +1487,7 @@ static const char hbil__glsl_slice_hbil_sums[] =
 "#if !HBIL_COSINE\n"
 "    float hidden; // part that is occluded, as the estimator weighs it\n"
 "#endif\n"
-"#if HBIL_SUMS && HBIL_COSINE\n"
+"#if HBIL_SUMS\n"
 "    float full;    // light of an open sky\n"
 "    float blocked; // the part of it that is hidden\n"
 "#endif\n"
@@ -1622,8 +1657,7 @@ static const char hbil__glsl_horizon_HBIL_DECAY_STEPS[] =
 "const float HBIL_DECAY_STEPS = 8.0; // steps per side for which HBIL_DECAY is meant\n";
 static const char hbil__glsl_horizon_hbil_horizon[] =
 "// Highest horizon on one side of a slice, from that of the tangent plane on. Each rise adds the light of the arc that\n"
-"// the\n"
-"// sample fills.\n"
+"// the sample fills.\n"
 "#if HBIL_GATHER\n"
 "float hbil_horizon(hbil_receiver r, hbil_side s, inout hbil_light light) {\n"
 "#else\n"
@@ -1753,8 +1787,10 @@ static const char hbil__glsl_horizon_hbil_horizon_slice[] =
 static const char hbil__glsl_bitmask_hbil_fan[] =
 "// A slice as its sectors lie.\n"
 "struct hbil_fan {\n"
+"#if HBIL_SPANS || HBIL_FACING_HALF_SPACE\n"
 "    hbil_side front;\n"
 "    hbil_side back;\n"
+"#endif\n"
 "    float ny;\n"
 "    float light_front; // of each side, open\n"
 "    float light_back;\n"
@@ -1767,9 +1803,16 @@ static const char hbil__glsl_bitmask_hbil_edge_light[] =
 "}\n";
 static const char hbil__glsl_bitmask_hbil_fan_of[] =
 "hbil_fan hbil_fan_of(hbil_receiver r, hbil_side front, hbil_side back, float jitter) {\n"
-"    float light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);\n"
-"    float light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);\n"
-"    return hbil_fan(front, back, r.ny, light_front, light_back, jitter);\n"
+"    hbil_fan f;\n"
+"#if HBIL_SPANS || HBIL_FACING_HALF_SPACE\n"
+"    f.front = front;\n"
+"    f.back = back;\n"
+"#endif\n"
+"    f.ny = r.ny;\n"
+"    f.light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);\n"
+"    f.light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);\n"
+"    f.jitter = jitter;\n"
+"    return f;\n"
 "}\n";
 static const char hbil__glsl_bitmask_hbil_edge[] =
 "// Sector edge of the horizon c of a side: 0 to 32.\n"
@@ -1954,6 +1997,21 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "        hidden |= bits;\n"
 "    }\n"
 "}\n";
+static const char hbil__glsl_bitmask_hbil_far_arc[] =
+"#if HBIL_FAR_BITS\n"
+"// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
+"// bent: their cosine-weighted directions in the space of the passes; r: the receiver.\n"
+"vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {\n"
+"    vec3 d = hbil_to_world(normalize(bent));\n"
+"#if HBIL_ENVIRONMENT_CUBE\n"
+"    return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);\n"
+"#elif HBIL_ENVIRONMENT_HOOK\n"
+"    return energy * hbil_finite(hbil_far_hook(hbil_world_position(r.position), d, 1.0));\n"
+"#else\n"
+"    return hbil_sh_sum(r.sh, d, vec3(energy, length(bent), energy));\n"
+"#endif\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "// Add the slice with tangent D and screen direction d.\n"
 "void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout hbil_sums sum) {\n"
@@ -1963,8 +2021,10 @@ static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "    uint hidden = 0u;\n"
 "    hbil_fill(r, f, front, false, hidden, sum);\n"
 "    hbil_fill(r, f, back, true, hidden, sum);\n"
-"#if HBIL_SUMS\n"
+"#if HBIL_SUMS || HBIL_FAR_BITS\n"
 "    float full = f.light_front + f.light_back;\n"
+"#endif\n"
+"#if HBIL_SUMS\n"
 "    sum.full += full;\n"
 "    sum.blocked += full * float(bitCount(hidden)) / 32.0;\n"
 "#endif\n"
@@ -1986,7 +2046,7 @@ static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "        uint bits = ~hidden & (0xffu << uint(i));\n"
 "        if (bits == 0u) continue;\n"
 "        vec2 b = hbil_span_of(f, bits).bent;\n"
-"        sum.far += hbil_far_arc(r.position, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);\n"
+"        sum.far += hbil_far_arc(r, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);\n"
 "    }\n"
 "#endif\n"
 "}\n";
@@ -2181,7 +2241,7 @@ static const char hbil__glsl_march_hbil_nothing[] =
 "#if !HBIL_COSINE\n"
 "    sum.hidden = 0.0;\n"
 "#endif\n"
-"#if HBIL_SUMS && HBIL_COSINE\n"
+"#if HBIL_SUMS\n"
 "    sum.full = 0.0;\n"
 "    sum.blocked = 0.0;\n"
 "#endif\n"
@@ -2247,8 +2307,7 @@ static const char hbil__glsl_march_hbil_march[] =
 static const char hbil__glsl_march_hbil_store_sh[] =
 "#if HBIL_OUTPUTS_SH\n"
 "// Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its\n"
-"// whole\n"
-"// solid angle. Near radiance and visibility together are those of the open hemisphere.\n"
+"// whole solid angle. Near radiance and visibility together are those of the open hemisphere.\n"
 "void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {\n"
 "    vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);\n"
 "    imageStore(u_sh, ivec3(p, 0), 0.282095 / float(HBIL_SLICES) * factor * sum.sh_0);\n"
@@ -2260,30 +2319,36 @@ static const char hbil__glsl_march_hbil_store_sh[] =
 static const char hbil__glsl_march_hbil_store[] =
 "// Sums to outputs.\n"
 "void hbil_store(ivec2 p, hbil_sums sum) {\n"
-"#if HBIL_COSINE && HBIL_SUMS\n"
-"#if HBIL_SEED_COMPAT_SLICE_MEAN\n"
+"#if HBIL_RATIO\n"
+"    // what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
+"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
+"#elif HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)\n"
 "    float scale = 1.0 / float(HBIL_SLICES);\n"
+"#endif\n"
+"#if HBIL_VISIBILITY\n"
+"#if !HBIL_COSINE\n"
+"    float ao = 1.0 - sum.hidden / float(HBIL_SLICES);\n"
+"#elif HBIL_SEED_COMPAT_SLICE_MEAN\n"
 "    float ao = (sum.full - sum.blocked) * scale;\n"
 "#else\n"
-"    // ratio: what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
-"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
-"    float ao = 1.0 - max(sum.blocked, 0.0) * scale;\n"
+"    float ao = 1.0 - sum.blocked * scale;\n"
 "#endif\n"
-"#elif !HBIL_COSINE\n"
-"    float ao = clamp(1.0 - sum.hidden / float(HBIL_SLICES), 0.0, 1.0);\n"
-"#endif\n"
-"#if HBIL_AO || HBIL_BENT\n"
-"#if HBIL_AO_EXPONENT_1\n"
-"    const float lift = 1.0;\n"
-"#else\n"
+"    ao = clamp(ao, 0.0, 1.0);\n"
+"#if !HBIL_AO_EXPONENT_1\n"
 "    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));\n"
+"    ao *= lift;\n"
 "#endif\n"
 "#endif\n"
 "#if HBIL_AO\n"
-"    imageStore(u_ao, p, vec4(ao * lift));\n"
+"    imageStore(u_ao, p, vec4(ao));\n"
 "#endif\n"
 "#if HBIL_BENT\n"
-"    imageStore(u_bent, p, vec4(lift * scale * sum.bent * vec3(1.0, 1.0, HBIL_VIEW_Z), 1.0));\n"
+"    // no ratio: from two slices on the vectors of an open surface add up to 2/3 n by themselves\n"
+"    vec3 bent = sum.bent / float(HBIL_SLICES) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"#if !HBIL_AO_EXPONENT_1\n"
+"    bent *= lift;\n"
+"#endif\n"
+"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
 "    imageStore(u_uniform_ao, p, vec4(sum.uniform_open / float(HBIL_SLICES)));\n"
@@ -2299,7 +2364,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "    hbil_store_sh(p, sum, scale);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
-"    vec3 far = scale * HBIL_FAR_INTENSITY * max(sum.far, 0.0);\n"
+"    vec3 far = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);\n"
 "#if !HBIL_F0_NONE\n"
 "    far *= hbil_diffuse(p);\n"
 "#endif\n"
@@ -2359,8 +2424,7 @@ static const char hbil__glsl_light_hbil_caps[] =
 "}\n";
 static const char hbil__glsl_light_hbil_specular_occlusion[] =
 "// Part of the specular lobe that the visible cone leaves: GTSO with the open hemisphere's share of the lobe below it,\n"
-"// so\n"
-"// that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.\n"
+"// so that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.\n"
 "float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {\n"
 "    float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));\n"
 "    vec3 mirror = 2.0 * dot(n, v) * n - v;\n"
@@ -2377,7 +2441,7 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    vec3 c = 2.7552 * albedo + 0.6903;\n"
 "    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);\n"
 "#else\n"
-"    return ao / max(1.0 - albedo * (1.0 - ao), 1e-6);\n"
+"    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_light_hbil_load_albedo[] =
@@ -2385,14 +2449,16 @@ static const char hbil__glsl_light_hbil_load_albedo[] =
 "    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
 "}\n";
 static const char hbil__glsl_light_hbil_far_light[] =
+"#if HBIL_FAR_HERE\n"
 "// Far irradiance of a pixel.\n"
-"vec3 hbil_far_light(ivec2 p, float z, vec3 n, float ao, vec3 bent) {\n"
-"    vec3 far = HBIL_FAR_INTENSITY * max(hbil_far(hbil_position(vec2(p) + 0.5, z), n, ao, bent), 0.0);\n"
+"vec3 hbil_far_light(ivec2 p, hbil_opening o) {\n"
+"    vec3 far = HBIL_FAR_INTENSITY * hbil_far(o);\n"
 "#if !HBIL_F0_NONE\n"
 "    far *= hbil_diffuse(p);\n"
 "#endif\n"
 "    return far;\n"
-"}\n";
+"}\n"
+"#endif\n";
 static const char hbil__glsl_light_hbil_shade[] =
 "// Outputs of a pixel with a surface.\n"
 "void hbil_shade(ivec2 p, float z) {\n"
@@ -2420,14 +2486,23 @@ static const char hbil__glsl_light_hbil_shade[] =
 "#if HBIL_OUTPUTS_MULTI_BOUNCE\n"
 "    imageStore(u_multi_bounce, p, vec4(hbil_multi_bounce(ao, hbil_load_albedo(p)), 1.0));\n"
 "#endif\n"
-"#if HBIL_FAR_BITS\n"
+"#if HBIL_FAR_HERE\n"
+"    hbil_opening o;\n"
+"    o.ao = ao;\n"
+"#if HBIL_FAR_VISIBILITY_AO && !HBIL_ENVIRONMENT_CONSTANT\n"
+"    o.axis = hbil_to_world(n);\n"
+"#elif !HBIL_ENVIRONMENT_CONSTANT\n"
+"    o.axis = hbil_to_world(hbil_direction(bent, n));\n"
+"#endif\n"
+"#if HBIL_FAR_SH && HBIL_FAR_VISIBILITY_BENT\n"
+"    o.bent = length(bent);\n"
+"#endif\n"
+"#if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK\n"
+"    o.position = hbil_world_position(hbil_position(vec2(p) + 0.5, z));\n"
+"#endif\n"
+"    vec3 irradiance = hbil_far_light(p, o);\n"
+"#elif HBIL_FAR_BITS && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)\n"
 "    vec3 irradiance = texelFetch(u_far, p, 0).rgb;\n"
-"#elif HBIL_ENVIRONMENT_CONSTANT\n"
-"    vec3 irradiance = hbil_far_light(p, z, vec3(0.0), ao, vec3(0.0));\n"
-"#elif HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_AO\n"
-"    vec3 irradiance = hbil_far_light(p, z, n, ao, vec3(0.0));\n"
-"#elif HBIL_FAR_LIGHT\n"
-"    vec3 irradiance = hbil_far_light(p, z, n, ao, bent);\n"
 "#elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE\n"
 "    vec3 irradiance = vec3(0.0);\n"
 "#endif\n"
@@ -2499,8 +2574,8 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_cone_bands", "environment", hbil__glsl_environment_hbil_cone_bands },
     { "hbil_cone_cosine", "environment", hbil__glsl_environment_hbil_cone_cosine },
     { "hbil_fit", "environment", hbil__glsl_environment_hbil_fit },
+    { "hbil_opening", "environment", hbil__glsl_environment_hbil_opening },
     { "hbil_far", "environment", hbil__glsl_environment_hbil_far },
-    { "hbil_far_arc", "environment", hbil__glsl_environment_hbil_far_arc },
     { "hbil_hilbert", "slice", hbil__glsl_slice_hbil_hilbert },
     { "hbil_gradient", "slice", hbil__glsl_slice_hbil_gradient },
     { "hbil_noise", "slice", hbil__glsl_slice_hbil_noise },
@@ -2510,7 +2585,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_border", "slice", hbil__glsl_slice_hbil_border },
     { "hbil_reach", "slice", hbil__glsl_slice_hbil_reach },
     { "hbil_receiver", "slice", hbil__glsl_slice_hbil_receiver },
-    { "HBIL_FACING", "slice", hbil__glsl_slice_HBIL_FACING },
+    { "HBIL_LEAST_NY", "slice", hbil__glsl_slice_HBIL_LEAST_NY },
     { "hbil_turned", "slice", hbil__glsl_slice_hbil_turned },
     { "hbil_receive", "slice", hbil__glsl_slice_hbil_receive },
     { "hbil_surface_depth", "slice", hbil__glsl_slice_hbil_surface_depth },
@@ -2551,6 +2626,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_add_bits", "bitmask", hbil__glsl_bitmask_hbil_add_bits },
     { "hbil_low_end", "bitmask", hbil__glsl_bitmask_hbil_low_end },
     { "hbil_fill", "bitmask", hbil__glsl_bitmask_hbil_fill },
+    { "hbil_far_arc", "bitmask", hbil__glsl_bitmask_hbil_far_arc },
     { "hbil_bitmask_slice", "bitmask", hbil__glsl_bitmask_hbil_bitmask_slice },
     { "hbil_attenuation", "hbao", hbil__glsl_hbao_hbil_attenuation },
     { "hbil_hbao", "hbao", hbil__glsl_hbao_hbil_hbao },
@@ -2586,22 +2662,24 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
  * >>sink       bounded text: counts on at the limit and writes nothing more
  * ====================================================================== */
 
-typedef struct hbil__sink { char *buf; size_t cap, size; } hbil__sink;
+typedef struct hbil__sink { char *buf; size_t cap, size, lines /* ends of lines so far */; } hbil__sink;
 
 static hbil__sink hbil__sink_open(char *buf, size_t cap)
 {
     hbil__sink s;
     s.buf = buf;
     s.cap = buf ? cap : 0;
-    s.size = 0;
+    s.size = s.lines = 0;
     return s;
 }
 
 static void hbil__put(hbil__sink *s, const char *text, size_t len)
 {
     size_t room = s->size < s->cap ? s->cap - s->size - 1 : 0; /* one byte stays for the terminator */
+    size_t i;
     if (room) memcpy(s->buf + s->size, text, len < room ? len : room);
     s->size += len;
+    for (i = 0; i < len; ++i) s->lines += text[i] == '\n';
 }
 
 static void hbil__puts(hbil__sink *s, const char *text) { hbil__put(s, text, strlen(text)); }
@@ -3522,7 +3600,7 @@ static void hbil__emit_chunks(hbil__sink *s, const hbil_config *c, const hbil__u
     }
 }
 
-/* Next token of GLSL text behind comments and blanks: a word or one character. 0 at the end. */
+/* Next token of GLSL text behind comments and blanks: a word, a directive's whole line or one character. 0 at the end. */
 static size_t hbil__token(const char **at)
 {
     const char *s = *at;
@@ -3532,64 +3610,98 @@ static size_t hbil__token(const char **at)
         if (s[0] == '/' && s[1] == '/') {
             while (*s && *s != '\n') ++s;
         } else if (s[0] == '/' && s[1] == '*') {
+            const char *open = s;
             for (s += 2; *s && !(s[0] == '*' && s[1] == '/'); ++s) { }
             if (*s) s += 2;
+            else { *at = open; return 2; } /* never closed: the opening itself */
         } else break;
     }
     *at = s;
     if (!*s) return 0;
+    if (*s == '#') {
+        for (n = 1; s[n] && s[n] != '\n'; ++n)
+            if (s[n] == '\\' && s[n + 1]) n += s[n + 1] == '\r' ? 2 : 1; /* the line goes on */
+        return n;
+    }
     for (n = 0; hbil__is_word(s[n]); ++n) { }
     return n ? n : 1;
 }
 
-/* From the word vec3 on: vec3 hbil_far_hook(vec3 a, vec3 b, float c) { ? Names of parameters are free, `in` may stand before types. */
+/* Skip qualifiers that may stand before a type, then take one token. */
+static size_t hbil__type_token(const char **at)
+{
+    size_t n;
+    while ((n = hbil__token(at)) > 0 && hbil__word_find("const in highp mediump lowp precise", *at, n) >= 0) *at += n;
+    return n;
+}
+
+/* From the word vec3 on: vec3 hbil_far_hook(vec3 a, vec3 b, float c) { ? Names of parameters are free and may lack. */
 static int hbil__hook_head(const char *s)
 {
     static const char *const form[] = { "vec3", "hbil_far_hook", "(", "vec3", "", ",", "vec3", "", ",", "float", "", ")", "{" };
     int32_t i;
     for (i = 0; i < HBIL__COUNT(form); ++i) {
-        size_t n = hbil__token(&s);
-        if (n == 2 && s[0] == 'i' && s[1] == 'n') {
-            s += n;
-            n = hbil__token(&s);
-        }
-        if (n == 0 || (*form[i] ? !hbil__same(form[i], s, n) : !hbil__is_word(*s))) return 0;
+        size_t n = hbil__type_token(&s);
+        if (!*form[i] && n > 0 && !hbil__is_word(*s)) continue; /* a parameter without a name */
+        if (n == 0 || (*form[i] && !hbil__same(form[i], s, n))) return 0;
         s += n;
     }
     return 1;
 }
 
-static int hbil__hook_fits(const char *hook, hbil_diags *diags)
+/* Word of a directive "# word ...". */
+static int hbil__is_directive(const char *s, const char *word)
+{
+    size_t n = strlen(word);
+    if (*s++ != '#') return 0;
+    while (*s == ' ' || *s == '\t') ++s;
+    return strncmp(s, word, n) == 0 && !hbil__is_word(s[n]);
+}
+
+/* What is wrong with a hook, "" if nothing. What preprocessor branches leave of it is the compiler's to say. */
+static const char *hbil__hook_fault(const char *hook)
 {
     const char *s = hook;
     size_t n;
-    int found = 0, depth = 0, directive;
+    int found = 0, depth = 0, branches = 0, ever = 0;
+    for (; (n = hbil__token(&s)) > 0; s += n) {
+        if (s[0] == '/' && s[1] == '*') return "a comment is not closed";
+        if (hbil__is_directive(s, "version")) return "#version; leave it out, the text is pasted into a shader";
+        if (hbil__is_directive(s, "if") || hbil__is_directive(s, "ifdef") || hbil__is_directive(s, "ifndef")) ++branches, ever = 1;
+        if (hbil__is_directive(s, "endif")) --branches;
+        if (*s == '{') ++depth;
+        if (*s == '}' && --depth < 0 && !ever) return "braces do not match";
+        if (depth > 0) continue;
+        if (n == 4 && memcmp(s, "main", 4) == 0) return "a function main; leave it out, the text is pasted into a shader";
+        if (n == 4 && memcmp(s, "vec3", 4) == 0) found += hbil__hook_head(s);
+    }
+    if (branches) return "#if and #endif do not match";
+    if (depth && !ever) return "braces do not match";
+    if (!found) return "no function vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {...}";
+    return found > 1 && !ever ? "hbil_far_hook is defined twice" : "";
+}
+
+static int hbil__hook_fits(const char *hook, hbil_diags *diags)
+{
+    const char *fault;
     if (!hook) {
         hbil__say(diags, HBIL_ERROR, hbil_option_find("environment", 11, NULL), "environment=hook: no text given", "; see hbil_emit_glsl_hook");
         return 0;
     }
-    for (; (n = hbil__token(&s)) > 0; s += n) {
-        depth += *s == '{' ? 1 : *s == '}' ? -1 : 0;
-        directive = n == 7 && memcmp(s, "version", 7) == 0 && s > hook && s[-1] == '#';
-        if (directive || (n == 4 && depth == 0 && memcmp(s, "main", 4) == 0)) {
-            hbil__say(diags, HBIL_ERROR, -1, directive ? "hook: #version" : "hook: a function main", "; leave it out, the text is pasted into a shader");
-            return 0;
-        }
-        if (n == 4 && depth == 0 && memcmp(s, "vec3", 4) == 0) found += hbil__hook_head(s);
-    }
-    if (found == 1 && depth == 0) return 1;
-    hbil__say(diags, HBIL_ERROR, -1, depth ? "hook: braces do not match" : found ? "hook: hbil_far_hook is defined twice" :
-              "hook: no function ", found || depth ? "" : "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {...}");
-    return 0;
+    fault = hbil__hook_fault(hook);
+    if (*fault) hbil__say(diags, HBIL_ERROR, -1, "hook: ", fault);
+    return !*fault;
 }
 
-/* The engine's text, numbered as source 1, so that errors of the compiler point at its own lines. */
+/* The engine's text, numbered as source 1, so that errors of the compiler point at its own lines; then ours as before. */
 static void hbil__emit_hook(hbil__sink *s, const char *hook)
 {
     size_t n = strlen(hook);
     hbil__puts(s, "// ---- hook\n\n#line 1 1\n");
     hbil__put(s, hook, n);
-    hbil__puts(s, n && hook[n - 1] == '\n' ? "#line 1 0\n\n" : "\n#line 1 0\n\n");
+    hbil__puts(s, n && hook[n - 1] == '\n' ? "#line " : "\n#line ");
+    hbil__put_int(s, (int64_t)s->lines + 2); /* of the line below */
+    hbil__puts(s, " 0\n\n");
 }
 
 static int32_t hbil__pass_row(const char *name)
@@ -3871,6 +3983,8 @@ static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t op
     if (hbil__get(f->live, option).u) *out = hbil__get(f->live, option);
     if (hbil__in_range(option, *out)) return 1;
     if (hbil__options[option].kind == HBIL_KIND_INT) hbil__put_int(&s, out->i);
+    else if (out->f > -1e16f && out->f < 1e16f) hbil__put_float(&s, out->f, 0);
+    else hbil__puts(&s, out->f == out->f ? "huge" : "nan");
     hbil__sink_close(&s, NULL);
     hbil__say_range(diags, "live.", option, text, s.size);
     return 0;
@@ -4099,9 +4213,20 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
         hbil__set(&c, i, hbil__default(i));
         c.dynamic &= ~o->dynamic;
     }
+    for (i = 0; i < HBIL__COUNT(hbil__members); ++i) {
+        hbil__value v = hbil__get(&c, hbil__members[i].option);
+        if (!(v.u & hbil__members[i].bit) || hbil__holds(&c, hbil__members[i].applies)) continue;
+        v.u &= ~hbil__members[i].bit;
+        hbil__set(&c, hbil__members[i].option, v);
+        idle[hbil__members[i].option] = 2;
+    }
+    if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
+        hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
+                  "; filter it, or take 2 from which on an open surface is exact");
     if (!hbil__check_dynamic(&c, diags) || !hbil__check_combination(&c, diags)) result = HBIL_E_CONFIG;
     for (i = 0; i < HBIL__COUNT(hbil__options); ++i) /* after the errors: a short list must not lose those */
-        if (idle[i]) hbil__say(diags, HBIL_NOTE, i, hbil__options[i].name, " has no effect in this config and was put back to its default");
+        if (idle[i]) hbil__say(diags, HBIL_NOTE, i, hbil__options[i].name, idle[i] == 2 ? ": members without effect in this config were cleared" :
+                               " has no effect in this config and was put back to its default");
     if (result == HBIL_OK) *out = c;
     return result;
 }

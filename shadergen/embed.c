@@ -27,6 +27,7 @@ typedef struct row { const char *kind, *name, *def, *min, *max, *unit, *choices,
 #define FLOAT(n, d, lo, hi, u, st, a, m, s) { "FLOAT", #n, #d, #lo, #hi, u, "", #st, a, m, s },
 #define SYMBOL(n, e, m)
 #define REFUSE(e, w, f)
+#define MEMBER(o, m, a)
 #define PRESET(n, m)
 #define VALUE(p, v, s)
 static row options[64] = {
@@ -38,6 +39,7 @@ static row options[64] = {
 #undef FLOAT
 #undef SYMBOL
 #undef REFUSE
+#undef MEMBER
 #undef PRESET
 #undef VALUE
 
@@ -49,6 +51,7 @@ typedef struct fact { const char *kind, *a, *b, *c, *d, *e, *f; } fact;
 #define FLOAT(n, d, lo, hi, u, st, a, m, s)
 #define SYMBOL(n, e, m)           { "SYMBOL", #n, e, m, "", "", "" },
 #define REFUSE(e, w, f)           { "REFUSE", e, w, f, "", "", "" },
+#define MEMBER(o, m, a)           { "MEMBER", #o, #m, a, "", "", "" },
 #define PRESET(n, m)              { "PRESET", #n, m, "", "", "", "" },
 #define VALUE(p, v, s)            { "VALUE", #p, v, s, "", "", "" },
 #define FORMAT(n, q, b)           { "FORMAT", #n, q, #b, "", "", "" },
@@ -198,6 +201,8 @@ static const char *doc_of(const row *r, char out[1024])
     return out;
 }
 
+static int is_default(const char *value);
+
 /* Words in #if expressions of the tables: all must be symbols. */
 static void check_expression(const char *what, const char *e)
 {
@@ -209,6 +214,16 @@ static void check_expression(const char *what, const char *e)
     }
 }
 
+/* A preset's value: of a preset that exists, an option that exists. */
+static void check_value(const fact *value)
+{
+    size_t i;
+    for (i = 0; i < COUNT(facts); ++i)
+        if (strcmp(facts[i].kind, "PRESET") == 0 && strcmp(facts[i].a, value->a) == 0) break;
+    if (i == COUNT(facts)) die(SOURCE, "options.def: %s is a value of no preset called %s", value->b, value->a);
+    is_default(value->b);
+}
+
 static void check_expressions(void)
 {
     const row *r;
@@ -218,6 +233,8 @@ static void check_expressions(void)
         const fact *f = &facts[i];
         if (strcmp(f->kind, "SYMBOL") == 0 || strcmp(f->kind, "PASS") == 0) check_expression(f->a, f->b);
         if (strcmp(f->kind, "REFUSE") == 0) check_expression(f->b, f->a);
+        if (strcmp(f->kind, "MEMBER") == 0) check_expression(f->b, f->c);
+        if (strcmp(f->kind, "VALUE") == 0) check_value(f);
         if (strcmp(f->kind, "TEXTURE") == 0) check_expression(f->a, f->e);
         if (strcmp(f->kind, "BIND") == 0) check_expression(f->b, f->d);
     }
@@ -256,6 +273,23 @@ static void gen_config(text *t)
         const char *type = strcmp(r->kind, "FLOAT") == 0 ? "float" : strcmp(r->kind, "SET") == 0 ? "uint32_t" : "int32_t";
         put(t, "    /* %s */\n    %s %s;\n", doc_of(r, doc), type, r->name);
     }
+}
+
+/* Conditions of members of sets. */
+static void gen_members(text *t)
+{
+    size_t i, n;
+    put(t, "static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {\n");
+    for (i = 0; i < COUNT(facts); ++i) {
+        int bit = -1;
+        if (strcmp(facts[i].kind, "MEMBER")) continue;
+        for (n = 0; options[n].name; ++n)
+            if (strcmp(options[n].name, facts[i].a) == 0) break;
+        if (options[n].name) bit = word_index(options[n].choices, facts[i].b);
+        if (bit < 0) die(SOURCE, "options.def: no member %s of %s", facts[i].b, facts[i].a);
+        put(t, "    { %d, 0x%x, \"%s\" }, /* %s=%s */\n", (int)n, 1u << bit, facts[i].c, facts[i].a, facts[i].b);
+    }
+    put(t, "};\n");
 }
 
 /* Each preset with its config text, and where each value comes from. */
@@ -321,6 +355,7 @@ static void gen_options(text *t)
         if (strcmp(facts[i].kind, "REFUSE") == 0)
             put(t, "    { \"%s\",\n      \"%s\", \"%s\" },\n", facts[i].a, facts[i].b, facts[i].c);
     put(t, "};\n");
+    gen_members(t);
     gen_presets(t);
 }
 
@@ -486,6 +521,7 @@ static void load_glsl(const char *root, const char *file)
             memcpy(open->name, s + sizeof mark - 1, n);
             strcpy(open->file, file);
             if (chunk_find(file, open->name, n) >= 0) die(SOURCE, "%s:%d: second chunk called %s", path, line, open->name);
+            if (is_name(open->name, n)) die(SOURCE, "%s:%d: %s is the name of an option or uniform", path, line, open->name);
             ++chunk_count;
             open->body = s + len + 1;
             open->line = line + 1;

@@ -6,8 +6,10 @@
 //@ chunk hbil_fan
 // A slice as its sectors lie.
 struct hbil_fan {
+#if HBIL_SPANS || HBIL_FACING_HALF_SPACE
     hbil_side front;
     hbil_side back;
+#endif
     float ny;
     float light_front; // of each side, open
     float light_back;
@@ -22,9 +24,16 @@ float hbil_edge_light(float nx, float ny, float c) {
 
 //@ chunk hbil_fan_of
 hbil_fan hbil_fan_of(hbil_receiver r, hbil_side front, hbil_side back, float jitter) {
-    float light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);
-    float light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);
-    return hbil_fan(front, back, r.ny, light_front, light_back, jitter);
+    hbil_fan f;
+#if HBIL_SPANS || HBIL_FACING_HALF_SPACE
+    f.front = front;
+    f.back = back;
+#endif
+    f.ny = r.ny;
+    f.light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);
+    f.light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);
+    f.jitter = jitter;
+    return f;
 }
 
 //@ chunk hbil_edge
@@ -220,6 +229,22 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
     }
 }
 
+//@ chunk hbil_far_arc
+#if HBIL_FAR_BITS
+// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;
+// bent: their cosine-weighted directions in the space of the passes; r: the receiver.
+vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {
+    vec3 d = hbil_to_world(normalize(bent));
+#if HBIL_ENVIRONMENT_CUBE
+    return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);
+#elif HBIL_ENVIRONMENT_HOOK
+    return energy * hbil_finite(hbil_far_hook(hbil_world_position(r.position), d, 1.0));
+#else
+    return hbil_sh_sum(r.sh, d, vec3(energy, length(bent), energy));
+#endif
+}
+#endif
+
 //@ chunk hbil_bitmask_slice
 // Add the slice with tangent D and screen direction d.
 void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout hbil_sums sum) {
@@ -229,8 +254,10 @@ void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout 
     uint hidden = 0u;
     hbil_fill(r, f, front, false, hidden, sum);
     hbil_fill(r, f, back, true, hidden, sum);
-#if HBIL_SUMS
+#if HBIL_SUMS || HBIL_FAR_BITS
     float full = f.light_front + f.light_back;
+#endif
+#if HBIL_SUMS
     sum.full += full;
     sum.blocked += full * float(bitCount(hidden)) / 32.0;
 #endif
@@ -252,7 +279,7 @@ void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout 
         uint bits = ~hidden & (0xffu << uint(i));
         if (bits == 0u) continue;
         vec2 b = hbil_span_of(f, bits).bent;
-        sum.far += hbil_far_arc(r.position, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);
+        sum.far += hbil_far_arc(r, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);
     }
 #endif
 }

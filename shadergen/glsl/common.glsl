@@ -94,8 +94,8 @@ vec3 hbil_direction(vec3 v, vec3 other) {
 // Part of the light that a surface does not mirror: 1 - F0. Metals get none.
 vec3 hbil_diffuse(ivec2 p) {
 #if HBIL_F0_RGB
-    return 1.0 - clamp(texelFetch(u_f0, p, 0).rgb, 0.0, 1.0);
+    return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rgb), 1.0);
 #else
-    return vec3(1.0 - clamp(texelFetch(u_f0, p, 0).r, 0.0, 1.0));
+    return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rrr), 1.0);
 #endif
 }

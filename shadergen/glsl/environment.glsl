@@ -30,12 +30,12 @@ const int HBIL_SLABS = 4; // coefficients of a probe
 
 //@ chunk hbil_load_sh
 #if HBIL_ENVIRONMENT_PROBES
-// Probes around a position, trilinear; beyond the grid its border goes on.
+// Probes around a position in the world, trilinear; beyond the grid its border goes on.
 hbil_sh hbil_load_sh(vec3 position) {
     hbil_sh sh;
     vec3 size = vec3(textureSize(u_probes, 0));
     float slab = size.z / float(HBIL_SLABS);
-    vec3 cell = (hbil_world_position(position) - HBIL_PROBE_ORIGIN.xyz) * HBIL_PROBE_SCALE.xyz;
+    vec3 cell = (position - HBIL_PROBE_ORIGIN.xyz) * HBIL_PROBE_SCALE.xyz;
     cell = clamp(cell, vec3(0.0), vec3(size.xy, slab) - 1.0) + 0.5; // half a texel from the next slab: none bleeds over
     for (int k = 0; k < 4; ++k)
         sh.low[k] = textureLod(u_probes, (cell + vec3(0.0, 0.0, float(k) * slab)) / size, 0.0).rgb;
@@ -46,7 +46,7 @@ hbil_sh hbil_load_sh(vec3 position) {
     return sh;
 }
 #else
-hbil_sh hbil_load_sh(vec3 position) {
+hbil_sh hbil_load_sh() {
     hbil_sh sh;
     for (int k = 0; k < 4; ++k) sh.low[k] = HBIL_FAR_SH1[k].rgb;
 #if HBIL_SH_ORDER_2
@@ -95,45 +95,48 @@ float hbil_fit(float ao) {
 #endif
 }
 
-//@ chunk hbil_far
-// Far irradiance E/pi. All in the space of the passes; bent is not normalised.
-vec3 hbil_far(vec3 position, vec3 n, float ao, vec3 bent) {
-#if HBIL_ENVIRONMENT_CONSTANT
-    return hbil_fit(ao) * HBIL_FAR_COLOR.rgb;
-#else
-#if HBIL_FAR_VISIBILITY_AO
-    vec3 d = hbil_to_world(n);
-#else
-    vec3 d = hbil_to_world(hbil_direction(bent, n));
+//@ chunk hbil_opening
+#if HBIL_FAR_HERE
+// The visible part of a pixel's hemisphere, as far light asks for it. World space.
+struct hbil_opening {
+    float ao;
+#if !HBIL_ENVIRONMENT_CONSTANT
+    vec3 axis;     // unit: into its middle, or the normal
 #endif
-#if HBIL_ENVIRONMENT_CUBE
-    return hbil_fit(ao) * textureLod(u_sky, d, 0.0).rgb;
+#if HBIL_FAR_SH && HBIL_FAR_VISIBILITY_BENT
+    float bent;    // length of the bent vector
+#endif
+#if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK
+    vec3 position; // of the surface. m
+#endif
+};
+#endif
+
+//@ chunk hbil_far
+#if HBIL_FAR_HERE
+// Far irradiance E/pi through an opening.
+vec3 hbil_far(hbil_opening o) {
+#if HBIL_ENVIRONMENT_CONSTANT
+    return hbil_fit(o.ao) * hbil_finite(HBIL_FAR_COLOR.rgb);
+#elif HBIL_ENVIRONMENT_CUBE
+    return hbil_fit(o.ao) * hbil_finite(textureLod(u_sky, o.axis, 0.0).rgb);
 #elif HBIL_ENVIRONMENT_HOOK
-    return hbil_fit(ao) * hbil_far_hook(hbil_world_position(position), d, hbil_cone_cosine(ao));
-#elif HBIL_FAR_VISIBILITY_CONE
-    return hbil_sh_sum(hbil_load_sh(position), d, hbil_cone_bands(hbil_cone_cosine(ao)));
+    return hbil_fit(o.ao) * hbil_finite(hbil_far_hook(o.position, o.axis, hbil_cone_cosine(o.ao)));
+#else
+#if HBIL_ENVIRONMENT_PROBES
+    hbil_sh sh = hbil_load_sh(o.position);
+#else
+    hbil_sh sh = hbil_load_sh();
+#endif
+#if HBIL_FAR_VISIBILITY_CONE
+    return hbil_finite(hbil_sh_sum(sh, o.axis, hbil_cone_bands(hbil_cone_cosine(o.ao))));
 #elif HBIL_FAR_VISIBILITY_BENT
     // exact in bands 0 and 1, whatever is visible; band 2 as through the cone
-    vec3 bands = vec3(ao, length(bent), hbil_cone_bands(hbil_cone_cosine(ao)).z);
-    return hbil_sh_sum(hbil_load_sh(position), d, bands);
+    vec3 bands = vec3(o.ao, o.bent, hbil_cone_bands(hbil_cone_cosine(o.ao)).z);
+    return hbil_finite(hbil_sh_sum(sh, o.axis, bands));
 #else
-    return hbil_fit(ao) * hbil_sh_sum(hbil_load_sh(position), d, vec3(1.0, 2.0 / 3.0, 0.25));
+    return hbil_fit(o.ao) * hbil_finite(hbil_sh_sum(sh, o.axis, vec3(1.0, 2.0 / 3.0, 0.25)));
 #endif
-#endif
-}
-
-//@ chunk hbil_far_arc
-#if HBIL_FAR_BITS
-// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;
-// bent: their cosine-weighted directions in the space of the passes.
-vec3 hbil_far_arc(vec3 position, float energy, vec3 bent) {
-    vec3 d = hbil_to_world(normalize(bent));
-#if HBIL_ENVIRONMENT_CUBE
-    return energy * textureLod(u_sky, d, 0.0).rgb;
-#elif HBIL_ENVIRONMENT_HOOK
-    return energy * hbil_far_hook(hbil_world_position(position), d, 1.0);
-#else
-    return hbil_sh_sum(hbil_load_sh(position), d, vec3(energy, length(bent), energy));
 #endif
 }
 #endif

@@ -148,8 +148,7 @@ const float HBIL_DECAY_STEPS = 8.0; // steps per side for which HBIL_DECAY is me
 
 //@ chunk hbil_horizon
 // Highest horizon on one side of a slice, from that of the tangent plane on. Each rise adds the light of the arc that
-// the
-// sample fills.
+// the sample fills.
 #if HBIL_GATHER
 float hbil_horizon(hbil_receiver r, hbil_side s, inout hbil_light light) {
 #else

@@ -25,8 +25,7 @@ float hbil_caps(float c1, float c2, float d) {
 
 //@ chunk hbil_specular_occlusion
 // Part of the specular lobe that the visible cone leaves: GTSO with the open hemisphere's share of the lobe below it,
-// so
-// that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.
+// so that an open surface gets 1. Rough lobes are wider than a cone can say: they get ao. r: perceptual roughness.
 float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {
     float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));
     vec3 mirror = 2.0 * dot(n, v) * n - v;
@@ -44,7 +43,7 @@ vec3 hbil_multi_bounce(float ao, vec3 albedo) {
     vec3 c = 2.7552 * albedo + 0.6903;
     return max(vec3(ao), ((a * ao + b) * ao + c) * ao);
 #else
-    return ao / max(1.0 - albedo * (1.0 - ao), 1e-6);
+    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));
 #endif
 }
 
@@ -54,14 +53,16 @@ vec3 hbil_load_albedo(ivec2 p) {
 }
 
 //@ chunk hbil_far_light
+#if HBIL_FAR_HERE
 // Far irradiance of a pixel.
-vec3 hbil_far_light(ivec2 p, float z, vec3 n, float ao, vec3 bent) {
-    vec3 far = HBIL_FAR_INTENSITY * max(hbil_far(hbil_position(vec2(p) + 0.5, z), n, ao, bent), 0.0);
+vec3 hbil_far_light(ivec2 p, hbil_opening o) {
+    vec3 far = HBIL_FAR_INTENSITY * hbil_far(o);
 #if !HBIL_F0_NONE
     far *= hbil_diffuse(p);
 #endif
     return far;
 }
+#endif
 
 //@ chunk hbil_shade
 // Outputs of a pixel with a surface.
@@ -90,14 +91,23 @@ void hbil_shade(ivec2 p, float z) {
 #if HBIL_OUTPUTS_MULTI_BOUNCE
     imageStore(u_multi_bounce, p, vec4(hbil_multi_bounce(ao, hbil_load_albedo(p)), 1.0));
 #endif
-#if HBIL_FAR_BITS
+#if HBIL_FAR_HERE
+    hbil_opening o;
+    o.ao = ao;
+#if HBIL_FAR_VISIBILITY_AO && !HBIL_ENVIRONMENT_CONSTANT
+    o.axis = hbil_to_world(n);
+#elif !HBIL_ENVIRONMENT_CONSTANT
+    o.axis = hbil_to_world(hbil_direction(bent, n));
+#endif
+#if HBIL_FAR_SH && HBIL_FAR_VISIBILITY_BENT
+    o.bent = length(bent);
+#endif
+#if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK
+    o.position = hbil_world_position(hbil_position(vec2(p) + 0.5, z));
+#endif
+    vec3 irradiance = hbil_far_light(p, o);
+#elif HBIL_FAR_BITS && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)
     vec3 irradiance = texelFetch(u_far, p, 0).rgb;
-#elif HBIL_ENVIRONMENT_CONSTANT
-    vec3 irradiance = hbil_far_light(p, z, vec3(0.0), ao, vec3(0.0));
-#elif HBIL_FAR_LIGHT && HBIL_FAR_VISIBILITY_AO
-    vec3 irradiance = hbil_far_light(p, z, n, ao, vec3(0.0));
-#elif HBIL_FAR_LIGHT
-    vec3 irradiance = hbil_far_light(p, z, n, ao, bent);
 #elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE
     vec3 irradiance = vec3(0.0);
 #endif

@@ -6,7 +6,7 @@ hbil_sums hbil_nothing() {
 #if !HBIL_COSINE
     sum.hidden = 0.0;
 #endif
-#if HBIL_SUMS && HBIL_COSINE
+#if HBIL_SUMS
     sum.full = 0.0;
     sum.blocked = 0.0;
 #endif
@@ -74,8 +74,7 @@ hbil_sums hbil_march(ivec2 p, float z) {
 //@ chunk hbil_store_sh
 #if HBIL_OUTPUTS_SH
 // Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its
-// whole
-// solid angle. Near radiance and visibility together are those of the open hemisphere.
+// whole solid angle. Near radiance and visibility together are those of the open hemisphere.
 void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {
     vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);
     imageStore(u_sh, ivec3(p, 0), 0.282095 / float(HBIL_SLICES) * factor * sum.sh_0);
@@ -88,30 +87,36 @@ void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {
 //@ chunk hbil_store
 // Sums to outputs.
 void hbil_store(ivec2 p, hbil_sums sum) {
-#if HBIL_COSINE && HBIL_SUMS
-#if HBIL_SEED_COMPAT_SLICE_MEAN
+#if HBIL_RATIO
+    // what few slices get wrong about an open sky cancels. max: rounding must not make light
+    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);
+#elif HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)
     float scale = 1.0 / float(HBIL_SLICES);
+#endif
+#if HBIL_VISIBILITY
+#if !HBIL_COSINE
+    float ao = 1.0 - sum.hidden / float(HBIL_SLICES);
+#elif HBIL_SEED_COMPAT_SLICE_MEAN
     float ao = (sum.full - sum.blocked) * scale;
 #else
-    // ratio: what few slices get wrong about an open sky cancels. max: rounding must not make light
-    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);
-    float ao = 1.0 - max(sum.blocked, 0.0) * scale;
+    float ao = 1.0 - sum.blocked * scale;
 #endif
-#elif !HBIL_COSINE
-    float ao = clamp(1.0 - sum.hidden / float(HBIL_SLICES), 0.0, 1.0);
-#endif
-#if HBIL_AO || HBIL_BENT
-#if HBIL_AO_EXPONENT_1
-    const float lift = 1.0;
-#else
+    ao = clamp(ao, 0.0, 1.0);
+#if !HBIL_AO_EXPONENT_1
     float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));
+    ao *= lift;
 #endif
 #endif
 #if HBIL_AO
-    imageStore(u_ao, p, vec4(ao * lift));
+    imageStore(u_ao, p, vec4(ao));
 #endif
 #if HBIL_BENT
-    imageStore(u_bent, p, vec4(lift * scale * sum.bent * vec3(1.0, 1.0, HBIL_VIEW_Z), 1.0));
+    // no ratio: from two slices on the vectors of an open surface add up to 2/3 n by themselves
+    vec3 bent = sum.bent / float(HBIL_SLICES) * vec3(1.0, 1.0, HBIL_VIEW_Z);
+#if !HBIL_AO_EXPONENT_1
+    bent *= lift;
+#endif
+    imageStore(u_bent, p, vec4(bent, 1.0));
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO
     imageStore(u_uniform_ao, p, vec4(sum.uniform_open / float(HBIL_SLICES)));
@@ -127,7 +132,7 @@ void hbil_store(ivec2 p, hbil_sums sum) {
     hbil_store_sh(p, sum, scale);
 #endif
 #if HBIL_FAR_BITS
-    vec3 far = scale * HBIL_FAR_INTENSITY * max(sum.far, 0.0);
+    vec3 far = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);
 #if !HBIL_F0_NONE
     far *= hbil_diffuse(p);
 #endif

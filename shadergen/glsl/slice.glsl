@@ -98,19 +98,22 @@ struct hbil_receiver {
     ivec2 pixel;
     vec3 position; // pulled towards the camera
     vec3 v;        // to the eye
-    vec3 n;        // n.v >= HBIL_FACING
+    vec3 n;        // n.v >= HBIL_LEAST_NY
     float ny;      // n.v, the same in every slice
+#if HBIL_FAR_BITS && HBIL_FAR_SH
+    hbil_sh sh;    // environment around it
+#endif
 };
 
-//@ chunk HBIL_FACING
-const float HBIL_FACING = 0.001; // least cosine of normal and view vector: small, since a turned normal darkens planes
+//@ chunk HBIL_LEAST_NY
+const float HBIL_LEAST_NY = 0.001; // of the cosine of normal and view vector; a turned normal darkens planes
 
 //@ chunk hbil_turned
 // A shading normal may face away from the eye (interpolated, bumped): it is turned until it does not, since the
 // horizons of a slice then lie on both sides of V, which all closed forms below rely on.
 vec3 hbil_turned(vec3 n, vec3 v) {
     float ny = dot(n, v);
-    return ny < HBIL_FACING ? normalize(n + (HBIL_FACING - ny) * v) : n;
+    return ny < HBIL_LEAST_NY ? normalize(n + (HBIL_LEAST_NY - ny) * v) : n;
 }
 
 //@ chunk hbil_receive
@@ -121,6 +124,11 @@ hbil_receiver hbil_receive(ivec2 p, float z) {
     r.v = hbil_view_vector(vec2(p) + 0.5);
     r.n = hbil_turned(hbil_load_normal(p), r.v);
     r.ny = dot(r.n, r.v);
+#if HBIL_FAR_BITS && HBIL_ENVIRONMENT_PROBES
+    r.sh = hbil_load_sh(hbil_world_position(r.position));
+#elif HBIL_FAR_BITS && HBIL_ENVIRONMENT_SH
+    r.sh = hbil_load_sh();
+#endif
     return r;
 }
 
@@ -147,8 +155,10 @@ struct hbil_side {
     vec2 d;         // its direction on the screen, unit
     float reach_px; // pixels to search
     float jitter;
+#if !HBIL_ESTIMATOR_HBAO_PLUS
     float nx;       // normal along the tangent
     float c0;       // horizon of the tangent plane, where the search starts
+#endif
 };
 
 //@ chunk hbil_side_of
@@ -162,8 +172,10 @@ hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float 
     s.reach_px = min(s.reach_px, hbil_reach(r.position, r.v, s.tangent));
 #endif
     s.jitter = jitter;
+#if !HBIL_ESTIMATOR_HBAO_PLUS
     s.nx = dot(r.n, s.tangent);
     s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);
+#endif
     return s;
 }
 
@@ -218,8 +230,7 @@ const float HBIL_FILTER_HIGH = 0.1; // and from which on it faces the receiver
 //@ chunk hbil_source
 #if HBIL_FACING_FILTER
 // Light of the pixel q, seen along the unit vector `along`. A surface that faces away hides what is behind it, but is
-// not
-// what lights the receiver: the last light that was accepted stands in.
+// not what lights the receiver: the last light that was accepted stands in.
 vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {
     float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(q), along));
     accepted = mix(accepted, hbil_load_radiance(q), t);
@@ -233,7 +244,7 @@ struct hbil_sums {
 #if !HBIL_COSINE
     float hidden; // part that is occluded, as the estimator weighs it
 #endif
-#if HBIL_SUMS && HBIL_COSINE
+#if HBIL_SUMS
     float full;    // light of an open sky
     float blocked; // the part of it that is hidden
 #endif

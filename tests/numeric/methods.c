@@ -842,12 +842,12 @@ static void store_sums(const methods_options *o, const methods_pixel *p, const s
         r->ao = pow(clamp(1.0 - sum->hidden / slices, 0.0, 1.0), o->ao_exponent);
         return;
     }
-    const double ao = sum->open / ratio, lift = ao > 0.0 ? pow(ao, o->ao_exponent - 1.0) : 0.0;
+    const double ao = clamp(sum->open / ratio, 0.0, 1.0), lift = ao > 0.0 ? pow(ao, o->ao_exponent - 1.0) : 0.0;
     r->ao = ao * lift;
     r->uniform_ao = 0.5 * sum->solid / slices;
     store_sh(sum, slices, ratio, o->near_intensity, r->sh);
     for (int k = 0; k < 3; ++k) {
-        r->bent[k] = lift * sum->bent[k] / ratio;
+        r->bent[k] = lift * sum->bent[k] / slices; /* the mean: exact on an open surface, which the ratio is not */
         r->near[k] = sum->near[k] / ratio * o->near_intensity * (1.0 - clamp(p->f0[k], 0.0, 1.0));
         r->far[k] = fmax(sum->far[k], 0.0) / ratio * o->far_intensity * (1.0 - clamp(p->f0[k], 0.0, 1.0));
     }

@@ -626,7 +626,7 @@ static void expect_march(const methods_options *o, const fixture *f, const truth
         methods_sh_basis(n->w, y);
         e->uniform_ao += n->free ? 0.5 * n->weight / t->slices : 0.0;
         for (int k = 0; k < 3; ++k) {
-            e->bent[k] += n->free ? n->w[k] * bent_weight(o, n) * n->weight / t->ratio * lift : 0.0;
+            e->bent[k] += n->free ? n->w[k] * bent_weight(o, n) * n->weight / t->slices * lift : 0.0;
             e->near[k] += n->light[k] * n->cosine * n->weight / t->ratio * o->near_intensity * (1.0 - f->p.f0[k]);
         }
         for (int k = 0; k < 4; ++k) {
@@ -678,13 +678,13 @@ static void expect_sh(const methods_options *o, const double sh[9][3], const dou
 {
     double band_0[3], light[3];
     if (o->far_visibility == METHODS_BENT) { /* bands 0 and 1: what comes through the free directions */
-        const double lift = e->ao * t->ratio / t->open;
+        const double lift = e->ao * t->ratio / t->open, once = lift / t->slices, shared = lift / t->ratio;
         for (int i = 0; i < t->count; ++i) {
             const node *at = &t->node[i];
             sky_radiance(sh, 0, 0, at->w, band_0);
             sky_radiance(sh, 1, 1, at->w, light);
             for (int c = 0; c < 3 && at->free; ++c) {
-                rgb[c] += (band_0[c] * at->cosine + light[c] * bent_weight(o, at)) * at->weight / t->ratio * lift;
+                rgb[c] += (band_0[c] * at->cosine * shared + light[c] * bent_weight(o, at) * once) * at->weight;
             }
         }
         cone_irradiance(sh, 2, o->sh_order, axis, cone, light);
@@ -1657,7 +1657,13 @@ static void free_bits_are_exact_to_order_1_and_see_through_two_gaps(void **state
         methods_light(&o, &g_fixture.p, &bits);
         o.far_visibility = METHODS_BENT;
         methods_light(&o, &g_fixture.p, &bent);
-        worst = fmax(worst, difference(&bits, &bent, 6));
+        for (int k = 0; k < 3; ++k) { /* the sectors are a ratio, the bent vector a mean */
+            bent.bent[k] *= g_fixture.p.slices / bent.full;
+        }
+        methods_far(&o, g_fixture.p.position, g_fixture.p.normal, bent.ao, bent.bent, bent.far);
+        for (int k = 0; k < 3; ++k) {
+            worst = fmax(worst, fabs(bent.far[k] * (1.0 - g_fixture.p.f0[k]) - bits.far[k]));
+        }
     }
     print_message("free bits against AO L0 + L1 . B: %.0e\n", worst);
     assert_true(worst <= 1e-12);
@@ -1803,7 +1809,7 @@ static const struct change {
     INT(HORIZON, HEIGHT_FIELD, SH, BENT, steps, 12, 0),
     INT(HBAO_PLUS, HEIGHT_FIELD, SH, AO, steps, 12, AO | BEHIND | BOUNCE),
     INT(HBAO, HEIGHT_FIELD, SH, AO, attenuation, METHODS_LINEAR, AO | BEHIND | BOUNCE),
-    INT(HORIZON, HEIGHT_FIELD, SH, BENT, seed_compat, METHODS_SLICE_MEAN, ALL & ~UNIFORM),
+    INT(HORIZON, HEIGHT_FIELD, SH, BENT, seed_compat, METHODS_SLICE_MEAN, ALL & ~(UNIFORM | BENT)),
     INT(HORIZON, HEIGHT_FIELD, SH, BENT, seed_compat, METHODS_CONE_RELATION, CONE | BEHIND),
     INT(HORIZON, HEIGHT_FIELD, SH, AO, seed_compat, METHODS_F0_AO, BEHIND),
     INT(HORIZON, HEIGHT_FIELD, SH, BENT, seed_compat, METHODS_UNIFORM_BENT, BENT | CONE | BEHIND | SPECULAR),

@@ -432,6 +432,88 @@ static void packing_needs_the_whole_block(void **state)
     assert_int_equal(block[need], 0xee);
 }
 
+/* ---------------------------------------------------------------------- hook */
+
+#define HOOK_HEAD "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture)"
+
+static hbil_result emit_hook(const char *hook, hbil_diags *diags)
+{
+    static char out[2 * HBIL_GLSL_MAX];
+    hbil_config c;
+    hbil_plan   plan;
+    memset(&c, 0, sizeof c);
+    c.outputs = HBIL_OUTPUTS_FAR;
+    c.environment = HBIL_ENVIRONMENT_HOOK;
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    assert_int_equal(plan.passes[2].hook, 1);
+    assert_int_equal(plan.passes[1].hook, 0);
+    return hbil_emit_glsl_hook(&plan, 2, hook, out, sizeof out, NULL, diags);
+}
+
+static void hooks_in_any_legal_form_are_taken(void **state)
+{
+    static const char *const good[] = {
+        HOOK_HEAD " { return direction; }",
+        "vec3 hbil_far_hook(const in vec3 p, highp vec3 d, in float c)\r\n{\r\n return d; }\r\n",
+        "vec3 hbil_far_hook(vec3, vec3 d, float) { return d; }",
+        "// vec3 hbil_far_hook(\n/* main { */ const float k = 1.0;\nvec3 f(vec3 x) { return x; }\n" HOOK_HEAD " { return k * f(direction); }",
+        "#define OPEN {\n" HOOK_HEAD " { return direction; }",
+        "#ifdef A\n" HOOK_HEAD " { return direction; }\n#else\n" HOOK_HEAD " { return position; }\n#endif\n",
+        HOOK_HEAD " { vec3 main = direction; return main; }",
+    };
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof good / sizeof good[0]; ++i) {
+        if (emit_hook(good[i], NULL) != HBIL_OK) fail_msg("refused: %s", good[i]);
+    }
+}
+
+static void hooks_that_cannot_work_are_refused_with_the_reason(void **state)
+{
+    static const struct { const char *hook, *word; } bad[] = {
+        { NULL, "no text" }, { "", "no function" }, { "vec3 hbil_far_hook(vec3 d) { return d; }", "no function" },
+        { "vec4 hbil_far_hook(vec3 p, vec3 d, float c) { return d.xyzz; }", "no function" },
+        { "// " HOOK_HEAD " { return direction; }", "no function" },
+        { HOOK_HEAD ";", "no function" },
+        { "# version 450\n" HOOK_HEAD " { return direction; }", "#version" },
+        { "#\tversion 450\n" HOOK_HEAD " { return direction; }", "#version" },
+        { HOOK_HEAD " { return direction; } void main() { }", "main" },
+        { HOOK_HEAD " { return direction; ", "braces" }, { "} " HOOK_HEAD " { return direction; } {", "braces" },
+        { HOOK_HEAD " { return direction; } /* and", "comment" },
+        { "#if 1\n" HOOK_HEAD " { return direction; }", "#endif" },
+        { HOOK_HEAD " { return direction; } " HOOK_HEAD " { return position; }", "twice" },
+    };
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        hbil_diag item;
+        hbil_diags diags = { &item, 1, 0 };
+        assert_int_equal(emit_hook(bad[i].hook, &diags), HBIL_E_HOOK);
+        assert_int_equal(diags.count, 1);
+        if (!strstr(item.text, bad[i].word)) fail_msg("%s: says %s", bad[i].hook ? bad[i].hook : "NULL", item.text);
+    }
+}
+
+/* Behind the hook our own lines go on counting where they stand. */
+static void lines_behind_a_hook_have_their_true_numbers(void **state)
+{
+    static char out[HBIL_GLSL_MAX];
+    hbil_config c;
+    hbil_plan   plan;
+    const char *s, *mark;
+    int line = 1;
+    (void)state;
+    memset(&c, 0, sizeof c);
+    c.outputs = HBIL_OUTPUTS_FAR;
+    c.environment = HBIL_ENVIRONMENT_HOOK;
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    assert_int_equal(hbil_emit_glsl_hook(&plan, 2, HOOK_HEAD " {\n return direction;\n}\n", out, sizeof out, NULL, NULL), HBIL_OK);
+    mark = strstr(strstr(out, "#line 1 1") + 1, "#line ");
+    assert_non_null(mark);
+    for (s = out; s < mark; ++s) line += *s == '\n';
+    assert_int_equal(strtol(mark + 6, NULL, 10), line + 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -452,6 +534,9 @@ int main(void)
         cmocka_unit_test(frames_that_do_not_fit_are_refused_with_the_fix),
         cmocka_unit_test(dynamic_options_are_read_from_live_and_checked),
         cmocka_unit_test(packing_needs_the_whole_block),
+        cmocka_unit_test(hooks_in_any_legal_form_are_taken),
+        cmocka_unit_test(hooks_that_cannot_work_are_refused_with_the_reason),
+        cmocka_unit_test(lines_behind_a_hook_have_their_true_numbers),
     };
     return cmocka_run_group_tests_name("core", tests, NULL, NULL);
 }
