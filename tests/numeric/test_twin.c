@@ -279,7 +279,7 @@ static void shaders_equal_their_twin_in_double_precision(void **state)
     for (size_t k = 0; k < KINDS; ++k) print_message(" %s %.1e", kinds[k].name, worst[k]);
     print_message("\nwithin %g: %.2f %% of all values, of the bitmask %.2f %%: the others have a sector's edge that rounding flips\n", MEAN_MOST,
                   100.0 * (double)all_within[0] / (double)all_count[0], 100.0 * (double)all_within[1] / (double)all_count[1]);
-    assert_true(all_within[0] > 0.98 * (double)all_count[0] && all_within[1] > 0.95 * (double)all_count[1]);
+    assert_true((double)all_within[0] > 0.98 * (double)all_count[0] && (double)all_within[1] > 0.95 * (double)all_count[1]);
 }
 
 int main(void)

@@ -33,7 +33,7 @@ static hbil_plan full_plan(hbil_target target)
     hbil_config c;
     hbil_plan plan;
     memset(&c, 0, sizeof c);
-    c.target = target;
+    c.target = (int32_t)target;
     c.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT | HBIL_OUTPUTS_COMPOSITE;
     assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
     return plan;

@@ -303,9 +303,10 @@ static float constant(const hbil_plan *p, const hbil_frame *f, const char *name,
     return 0;
 }
 
-static void near_float(double a, double b, double tolerance)
+static void near_float(float a, double b, double tolerance)
 {
-    if (!(a - b <= tolerance && b - a <= tolerance)) fail_msg("%.9g is not %.9g", a, b);
+    const double x = (double)a;
+    if (!(x - b <= tolerance && b - x <= tolerance)) fail_msg("%.9g is not %.9g", x, b);
 }
 
 /* 90 degree camera 64 x 36: ray x = (pixel * 2/64 - 1) * 64/36, y up. */
