@@ -129,9 +129,10 @@ static int list_presets(void)
 /* The sources are lines "option=value: source". Values that are said to be the default count too: they are a statement. */
 static void explain_preset(int32_t preset)
 {
-    const char *at = hbil_preset_sources(preset);
-    printf("%s\n  meaning   %s\n  sets      ", hbil_preset_name(preset), hbil_preset_meaning(preset));
-    print_values(hbil_preset_name(preset));
+    const char *at = hbil_preset_sources(preset), *name = hbil_preset_name(preset), *meaning = hbil_preset_meaning(preset);
+    if (!at || !name || !meaning) return;
+    printf("%s\n  meaning   %s\n  sets      ", name, meaning);
+    print_values(name);
     for (; *at; at += strspn(at, "\n")) {
         int line = (int)strcspn(at, "\n"), value = (int)strcspn(at, ":\n"), source = value + (int)strspn(at + value, ": ");
         if (source > line) source = line;
