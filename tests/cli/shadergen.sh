@@ -113,6 +113,7 @@ refused occluder=heuristic,estimator=bitmask 'sectors do not sink' occluder=thic
 refused outputs=ao+far,environment=sh,estimator=hbao 'have no bent vector' far_visibility=ao
 refused outputs=far,environment=sh,far_visibility=free_bits 'only the bitmask has sectors' far_visibility=bent
 refused outputs=bent,estimator=bitmask,seed_compat=uniform_bent 'arithmetic of horizons' seed_compat=none
+refused outputs=far,environment=sh,seed_compat=uniform_bent 'wants it cosine-weighted' far_visibility=direction
 refused outputs=far,environment=cube,far_visibility=cone 'closed form for a cone' far_visibility=bent
 refused normals=world,normal_encoding=xy 'hold no sign of z' normal_encoding=octahedral
 printf 'slices=3\nsteps=99999\n' > bad.hbil
