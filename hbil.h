@@ -3121,8 +3121,10 @@ static int hbil__symbol(const hbil_config *c, const char *s, size_t len)
             if (!hbil__read_number(s + head, len - head, &number)) continue;
             return !(c->dynamic & o->dynamic) && (o->kind == HBIL_KIND_INT ? (double)v.i : (double)v.f) == number;
         }
-        for (j = 0; hbil__word_at(o->choices, j, &w, &n); ++j)
+        for (j = 0, w = o->choices; *w; ++j, w += n + (w[n] == ' ')) { /* hbil__word_at would begin anew for each */
+            for (n = 0; w[n] && w[n] != ' '; ++n) { }
             if (n == len - head && hbil__spells(s + head, w, n)) return o->kind == HBIL_KIND_SET ? (int)(v.u >> j & 1) : v.i == j + 1;
+        }
     }
     return 0;
 }
