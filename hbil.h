@@ -2062,12 +2062,14 @@ static const char hbil__glsl_hbao_hbil_attenuation[] =
 "    return clamp(1.0 - d * d, 0.0, 1.0);\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_hbao_hbil_hbao[] =
+static const char hbil__glsl_hbao_hbil_hidden[] =
+"// Occlusion of a side. hbao: sin h - sin t, where each rise counts with the weight of the sample that made it; the\n"
+"// sine of an elevation is the cosine of the angle to V. hbao_plus: sum over the samples of how far each is raised above\n"
+"// the tangent plane; it knows no horizon.\n"
+"float hbil_hidden(hbil_receiver r, hbil_side s) {\n"
 "#if HBIL_ESTIMATOR_HBAO\n"
-"// Occlusion of a side: sin h - sin t, where each rise counts with the weight of the sample that made it. The sine of an\n"
-"// elevation is the cosine of the angle to V.\n"
-"float hbil_hbao(hbil_receiver r, hbil_side s) {\n"
 "    float c = min(s.c0 + HBIL_ANGLE_BIAS, 1.0);\n"
+"#endif\n"
 "    float hidden = 0.0;\n"
 "    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
 "    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
@@ -2075,38 +2077,25 @@ static const char hbil__glsl_hbao_hbil_hbao[] =
 "        if (at.z >= HBIL_SKY) continue;\n"
 "        vec3 h = hbil_position(at.pixel, at.z) - r.position;\n"
 "        float distance = sqrt(max(dot(h, h), 1e-30));\n"
-"        float rise = clamp(dot(h, r.v) / distance, -1.0, 1.0) - c;\n"
-"        hidden += max(rise, 0.0) * hbil_attenuation(distance);\n"
-"        c += max(rise, 0.0);\n"
+"#if HBIL_ESTIMATOR_HBAO\n"
+"        float rise = max(clamp(dot(h, r.v) / distance, -1.0, 1.0) - c, 0.0);\n"
+"        c += rise;\n"
+"#else\n"
+"        float rise = clamp(dot(r.n, h) / distance - HBIL_ANGLE_BIAS, 0.0, 1.0);\n"
+"#endif\n"
+"        hidden += rise * hbil_attenuation(distance);\n"
 "    }\n"
 "    return hidden;\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_hbao_hbil_raised[] =
-"#if HBIL_ESTIMATOR_HBAO_PLUS\n"
-"// Sum over the samples of a side of how far each is raised above the tangent plane. It knows no horizon.\n"
-"float hbil_raised(hbil_receiver r, hbil_side s) {\n"
-"    float raised = 0.0;\n"
-"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
-"    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
-"        if (!hbil_go(r, s, i, at)) break;\n"
-"        if (at.z >= HBIL_SKY) continue;\n"
-"        vec3 h = hbil_position(at.pixel, at.z) - r.position;\n"
-"        float distance = sqrt(max(dot(h, h), 1e-30));\n"
-"        raised += clamp(dot(r.n, h) / distance - HBIL_ANGLE_BIAS, 0.0, 1.0) * hbil_attenuation(distance);\n"
-"    }\n"
-"    return raised;\n"
-"}\n"
-"#endif\n";
+"}\n";
 static const char hbil__glsl_hbao_hbil_hbao_slice[] =
 "// Add the slice with tangent D and screen direction d.\n"
 "void hbil_hbao_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_sums sum) {\n"
 "    hbil_side front = hbil_side_of(r, slice, d, jitter, 1.0);\n"
 "    hbil_side back = hbil_side_of(r, slice, d, jitter, -1.0);\n"
 "#if HBIL_ESTIMATOR_HBAO_PLUS\n"
-"    sum.hidden += HBIL_MULTIPLIER * (hbil_raised(r, front) + hbil_raised(r, back)) / float(HBIL_STEPS);\n"
+"    sum.hidden += HBIL_MULTIPLIER * (hbil_hidden(r, front) + hbil_hidden(r, back)) / float(HBIL_STEPS);\n"
 "#else\n"
-"    sum.hidden += 0.5 * (hbil_hbao(r, front) + hbil_hbao(r, back));\n"
+"    sum.hidden += 0.5 * (hbil_hidden(r, front) + hbil_hidden(r, back));\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
@@ -2629,8 +2618,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_far_arc", "bitmask", hbil__glsl_bitmask_hbil_far_arc },
     { "hbil_bitmask_slice", "bitmask", hbil__glsl_bitmask_hbil_bitmask_slice },
     { "hbil_attenuation", "hbao", hbil__glsl_hbao_hbil_attenuation },
-    { "hbil_hbao", "hbao", hbil__glsl_hbao_hbil_hbao },
-    { "hbil_raised", "hbao", hbil__glsl_hbao_hbil_raised },
+    { "hbil_hidden", "hbao", hbil__glsl_hbao_hbil_hidden },
     { "hbil_hbao_slice", "hbao", hbil__glsl_hbao_hbil_hbao_slice },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
