@@ -167,11 +167,13 @@ typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_UNIFORM_AO = 0x2
     HBIL_OUTPUTS_NEAR = 0x10, HBIL_OUTPUTS_SH = 0x20, HBIL_OUTPUTS_FAR = 0x40, HBIL_OUTPUTS_IRRADIANCE = 0x80,
     HBIL_OUTPUTS_SPECULAR_OCCLUSION = 0x100, HBIL_OUTPUTS_MULTI_BOUNCE = 0x200, HBIL_OUTPUTS_COMPOSITE = 0x400 } hbil_outputs;
 typedef enum hbil_estimator { HBIL_ESTIMATOR_HORIZON = 1, HBIL_ESTIMATOR_BITMASK, HBIL_ESTIMATOR_HBAO, HBIL_ESTIMATOR_HBAO_PLUS } hbil_estimator;
+typedef enum hbil_march { HBIL_MARCH_SAMPLED = 1, HBIL_MARCH_SWEEP, HBIL_MARCH_BOTH } hbil_march;
 typedef enum hbil_sampling { HBIL_SAMPLING_NEAREST = 1, HBIL_SAMPLING_BILINEAR } hbil_sampling;
 typedef enum hbil_spacing { HBIL_SPACING_POWER = 1, HBIL_SPACING_GEOMETRIC } hbil_spacing;
 typedef enum hbil_attenuation { HBIL_ATTENUATION_QUADRATIC = 1, HBIL_ATTENUATION_LINEAR } hbil_attenuation;
 typedef enum hbil_occluder { HBIL_OCCLUDER_HEIGHT_FIELD = 1, HBIL_OCCLUDER_THICK, HBIL_OCCLUDER_HEURISTIC } hbil_occluder;
 typedef enum hbil_noise { HBIL_NOISE_NONE = 1, HBIL_NOISE_IGN, HBIL_NOISE_HILBERT_R2 } hbil_noise;
+typedef enum hbil_filter { HBIL_FILTER_NONE = 1, HBIL_FILTER_3X3, HBIL_FILTER_5X5 } hbil_filter;
 typedef enum hbil_facing { HBIL_FACING_NONE = 1, HBIL_FACING_FILTER, HBIL_FACING_HALF_SPACE } hbil_facing;
 typedef enum hbil_environment { HBIL_ENVIRONMENT_NONE = 1, HBIL_ENVIRONMENT_CONSTANT, HBIL_ENVIRONMENT_SH, HBIL_ENVIRONMENT_CUBE,
     HBIL_ENVIRONMENT_PROBES, HBIL_ENVIRONMENT_HOOK } hbil_environment;
@@ -198,7 +200,8 @@ typedef enum hbil_dynamic { HBIL_DYNAMIC_SLICES = 0x1, HBIL_DYNAMIC_STEPS = 0x2,
 typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R32UI, HBIL_FORMAT_RGBA32F, HBIL_FORMAT_COUNT } hbil_format;
 /* >>gen enums */
 
-/* How a pass touches a texture. SAMPLE: texelFetch through a sampler. WRITE: image store, never read in that pass. */
+/* How a pass touches a texture. SAMPLE: texelFetch through a sampler. WRITE: image store, never read in that pass but
+ * for what hbil_binding.update says. */
 typedef enum hbil_access { HBIL_ACCESS_SAMPLE = 1, HBIL_ACCESS_WRITE = 2 } hbil_access;
 /* Whose a texture is. INPUT, OUTPUT: yours. TRANSIENT: garbage between frames, may alias. HISTORY: survives frames. */
 typedef enum hbil_life { HBIL_LIFE_INPUT = 1, HBIL_LIFE_OUTPUT, HBIL_LIFE_TRANSIENT, HBIL_LIFE_HISTORY } hbil_life;
@@ -208,6 +211,9 @@ typedef enum hbil_type { HBIL_TYPE_INT = 1, HBIL_TYPE_UINT, HBIL_TYPE_FLOAT, HBI
 /* Shape of a texture. 2D_ARRAY has `layers` layers. CUBE and 3D are read with a linear, clamping sampler at level 0, all others by
  * texelFetch. */
 typedef enum hbil_dim { HBIL_DIM_2D = 1, HBIL_DIM_2D_MULTISAMPLE, HBIL_DIM_2D_ARRAY, HBIL_DIM_CUBE, HBIL_DIM_3D } hbil_dim;
+/* What the grid of a pass covers. PIXELS: the texels of its domain. LINES: x the longer side of the domain (rounded up to whole
+ * strides of a sweep), y its layers. */
+typedef enum hbil_grid { HBIL_GRID_PIXELS = 1, HBIL_GRID_LINES } hbil_grid;
 typedef enum hbil_kind { HBIL_KIND_CHOICE = 1, HBIL_KIND_SET, HBIL_KIND_INT, HBIL_KIND_FLOAT } hbil_kind;
 typedef enum hbil_severity { HBIL_NOTE = 1, HBIL_WARNING, HBIL_ERROR } hbil_severity;
 
@@ -222,8 +228,12 @@ typedef struct hbil_config {
     uint32_t outputs;
     /* how a slice sees: highest horizon per side; 32 sectors of equal cosine energy; sin h - sin t; share of raised samples. {horizon, bitmask, hbao, hbao_plus}, default horizon. baked. source: Jimenez 2016, Therrien 2023, Bavoil 2008, NVIDIA HBAO+ */
     int32_t estimator;
-    /* two-sided slices per pixel, uniform around the local view vector. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 1.2 */
+    /* where horizons are looked for: samples along each slice; every pixel of it, by one walk along each screen line; samples up to `reach` and the sweep beyond. {sampled, sweep, both}, default sampled. baked. source: project, Timonen 2013 */
+    int32_t march;
+    /* two-sided slices per pixel, uniform around the local view vector; those of a sweep on the screen, weighted. count, [1, 64], default 3. baked or dynamic. source: Mayaux 2018 sec. 1.2 */
     int32_t slices;
+    /* directions that share a slice of the sweep: neighbouring lines take turns, at the price of one; for the filter to gather. count, [1, 8], default 1. baked. source: project */
+    int32_t sweep_stride;
     /* depth samples per side of a slice. count, [1, 1024], default 6. baked or dynamic. source: Mayaux 2018 sec. 3.5 */
     int32_t steps;
     /* surface that the samples see: nearest pixel centre, or exactly on the slice, bilinear between four centres. {nearest, bilinear}, default nearest. baked. source: project */
@@ -254,6 +264,8 @@ typedef struct hbil_config {
     float pull;
     /* rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2. {none, ign, hilbert_r2}, default hilbert_r2. baked. source: Jimenez 2014, Roberts 2018 */
     int32_t noise;
+    /* mean of ao, near light and bent vector over the neighbours on the same surface: within the plane, alike in normal. {none, 3x3, 5x5}, default none. baked. source: project */
+    int32_t filter;
     /* light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source. {none, filter, half_space}, default none. baked. source: Mayaux 2018 sec. 3.4, GT-VBGI */
     int32_t facing;
     /* largest channel of a radiance, scaled down with its hue kept; 0 is only the limit of 60000 per channel. radiance, [0.001, 60000], default 0. baked or dynamic. source: SSRT3 */
@@ -356,7 +368,7 @@ typedef struct hbil_binding {
     uint8_t  access;        /* hbil_access */
     uint8_t  age;           /* 0: this frame's copy, 1: last frame's */
     uint8_t  mip;           /* level written */
-    uint8_t  reserved;
+    uint8_t  update;        /* 1: WRITE, and an invocation reads back what it has written itself in this pass */
 } hbil_binding;
 
 /* Before this pass: earlier accesses of `before` kind to the texture must be finished and visible to `after`.
@@ -370,10 +382,10 @@ typedef struct hbil_barrier {
 typedef struct hbil_pass {
     char         name[20];  /* lower snake: file stem, debug label, --pass */
     uint16_t     group[2];  /* workgroup size in x and y, as in the text */
-    uint16_t     domain;    /* texture whose texels the grid covers */
+    uint16_t     domain;    /* texture that the grid covers, see grid */
     uint16_t     constants; /* 1: the pass reads the uniform block, at plan.constants_slot */
     uint16_t     hook;      /* 1: the text needs your function, see hbil_emit_glsl_hook */
-    uint16_t     reserved;
+    uint16_t     grid;      /* hbil_grid */
     uint16_t     binding_count, barrier_count;
     hbil_binding bindings[HBIL_MAX_BINDINGS];
     hbil_barrier barriers[HBIL_MAX_BINDINGS];
@@ -526,38 +538,48 @@ static const hbil_option hbil__options[] = {
       "how a slice sees: highest horizon per side; 32 sectors of equal cosine energy; sin h - sin t; share of raised samples",
       "Jimenez 2016, Therrien 2023, Bavoil 2008, NVIDIA HBAO+",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, estimator), 1, 4, 1 },
+    { "march", "", "sampled sweep both",
+      "",
+      "where horizons are looked for: samples along each slice; every pixel of it, by one walk along each screen line; samples up to `reach` and the sweep beyond",
+      "project, Timonen 2013",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, march), 1, 3, 1 },
     { "slices", "count", "",
       "",
-      "two-sided slices per pixel, uniform around the local view vector",
+      "two-sided slices per pixel, uniform around the local view vector; those of a sweep on the screen, weighted",
       "Mayaux 2018 sec. 1.2",
       HBIL_KIND_INT, HBIL_DYNAMIC_SLICES, (uint32_t)offsetof(hbil_config, slices), 1, 64, 3 },
+    { "sweep_stride", "count", "",
+      "HBIL_SWEPT",
+      "directions that share a slice of the sweep: neighbouring lines take turns, at the price of one; for the filter to gather",
+      "project",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, sweep_stride), 1, 8, 1 },
     { "steps", "count", "",
-      "",
+      "HBIL_SAMPLED",
       "depth samples per side of a slice",
       "Mayaux 2018 sec. 3.5",
       HBIL_KIND_INT, HBIL_DYNAMIC_STEPS, (uint32_t)offsetof(hbil_config, steps), 1, 1024, 6 },
     { "sampling", "", "nearest bilinear",
-      "",
+      "HBIL_MARCH_SAMPLED",
       "surface that the samples see: nearest pixel centre, or exactly on the slice, bilinear between four centres",
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, sampling), 1, 2, 1 },
     { "spacing", "", "power geometric",
-      "",
+      "HBIL_SAMPLED",
       "distances of the samples: 1 + t^exponent (R - 1) pixels, or R^t",
       "measured on frames",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, spacing), 1, 2, 1 },
     { "exponent", "1", "",
-      "HBIL_SPACING_POWER",
+      "HBIL_SAMPLED && HBIL_SPACING_POWER",
       "convergence exponent: how much the samples crowd around the pixel",
       "YPipeline HBIL article",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_EXPONENT, (uint32_t)offsetof(hbil_config, exponent), 1, 8, 2 },
     { "reach", "m", "",
-      "",
+      "HBIL_SAMPLED",
       "world radius of the search; 0 is the whole screen, ended at its border per side",
       "project",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_REACH, (uint32_t)offsetof(hbil_config, reach), 1e-6, 1e9, 0 },
     { "falloff", "1", "",
-      "!HBIL_REACH_0 && HBIL_COSINE",
+      "HBIL_MARCH_SAMPLED && !HBIL_REACH_0 && HBIL_COSINE",
       "share of the reach over which an occluder fades out",
       "Jimenez 2016, XeGTAO",
       HBIL_KIND_FLOAT, HBIL_DYNAMIC_FALLOFF, (uint32_t)offsetof(hbil_config, falloff), 0.01, 1, 0.6 },
@@ -606,6 +628,11 @@ static const hbil_option hbil__options[] = {
       "rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2",
       "Jimenez 2014, Roberts 2018",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, noise), 1, 3, 3 },
+    { "filter", "", "none 3x3 5x5",
+      "HBIL_AO || HBIL_NEAR_LIGHT || HBIL_BENT",
+      "mean of ao, near light and bent vector over the neighbours on the same surface: within the plane, alike in normal",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, filter), 1, 3, 1 },
     { "facing", "", "none filter half_space",
       "HBIL_GATHER",
       "light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source",
@@ -733,9 +760,14 @@ static const hbil_option hbil__options[] = {
       HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 131071, 0 },
 };
 static const struct { const char *name, *expression; } hbil__symbols[] = {
+    { "SWEPT", "HBIL_MARCH_SWEEP || HBIL_MARCH_BOTH" }, /* lines of the whole screen are swept */
+    { "SAMPLED", "HBIL_MARCH_SAMPLED || HBIL_MARCH_BOTH" }, /* the march takes samples */
     { "COSINE", "HBIL_ESTIMATOR_HORIZON || HBIL_ESTIMATOR_BITMASK" }, /* cosine-weighted estimators: near + ao = 1 */
     { "NEAR_LIGHT", "HBIL_OUTPUTS_NEAR || ((HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && HBIL_COSINE)" }, /* u_near is written */
     { "GATHER", "HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH" }, /* the march reads radiance */
+    { "FILTER", "!HBIL_FILTER_NONE" }, /* the march writes raw textures, which the pass filter reads */
+    { "PACKED", "HBIL_GATHER && HBIL_SWEPT" }, /* u_view_radiance is written */
+    { "MEAN_LIGHT", "HBIL_GATHER && (HBIL_MARCH_SWEEP || HBIL_OCCLUDER_HEURISTIC)" }, /* a side has one radiance, the mean of what it sees */
     { "FAR_LIGHT", "!HBIL_ENVIRONMENT_NONE" }, /* far light is computed */
     { "FAR_SH", "HBIL_ENVIRONMENT_SH || HBIL_ENVIRONMENT_PROBES" }, /* the environment is spherical harmonics */
     { "BAND_2", "HBIL_FAR_SH && HBIL_SH_ORDER_2 && HBIL_FAR_VISIBILITY_BENT" }, /* band 2 comes in through the cone */
@@ -752,6 +784,20 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "SPANS", "HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* sectors are turned back into directions */
 };
 static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
+    { "HBIL_SWEPT && !HBIL_COSINE",
+      "a sweep finds horizons; hbao and hbao_plus weigh samples", "march=sampled" },
+    { "HBIL_MARCH_SWEEP && HBIL_ESTIMATOR_BITMASK",
+      "a sweep knows no thickness; the bitmask wants samples nearby", "march=both" },
+    { "HBIL_MARCH_BOTH && HBIL_ESTIMATOR_HORIZON",
+      "the sweep alone has every horizon; samples nearby give the bitmask its thickness", "estimator=bitmask" },
+    { "HBIL_MARCH_BOTH && HBIL_REACH_0",
+      "samples of the whole screen leave nothing to the sweep", "reach=1" },
+    { "HBIL_SWEPT && HBIL_OCCLUDER_HEURISTIC",
+      "horizons of a sweep cannot sink", "occluder=height_field" },
+    { "HBIL_SWEPT && HBIL_DYNAMIC_SLICES",
+      "each slice of a sweep is two layers of a texture, which no uniform can add", "dynamic=none" },
+    { "!HBIL_FILTER_NONE && (HBIL_OUTPUTS_SH || HBIL_OUTPUTS_UNIFORM_AO || HBIL_FAR_BITS)",
+      "the filter knows ao, near light and the bent vector only", "filter=none" },
     { "HBIL_OUTPUTS_NEAR && !HBIL_COSINE",
       "near light needs an estimator of cosine-weighted arcs; hbao and hbao_plus have none", "outputs=ao" },
     { "HBIL_OUTPUTS_SH && !HBIL_COSINE",
@@ -784,12 +830,12 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
 };
 static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
-    { 42, 0x1, "" }, /* seed_compat=screen_azimuth */
-    { 42, 0x2, "HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
-    { 42, 0x4, "!HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
-    { 42, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
-    { 42, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
-    { 42, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
+    { 45, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
+    { 45, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 45, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 45, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 45, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 45, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
     { "fast", "for weak GPUs; noisy without a filter",
@@ -921,95 +967,132 @@ static const struct { const char *layout; uint32_t bytes; } hbil__formats[] = {
     { "r32ui", 4 },
     { "rgba32f", 16 },
 };
-static const struct { const char *name; uint16_t life, format, dim; const char *wanted, *meaning; } hbil__textures[] = {
-    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, "",
+static const struct { const char *name; uint16_t life, format, dim, layers; const char *wanted, *meaning; } hbil__textures[] = {
+    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, "",
       "depth as the option depth says. row 0 is ndc y = -1" },
-    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, "",
+    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, "",
       "shading normal as normals and normal_encoding say" },
-    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
       "rgb radiance that leaves each surface and bounces, linear; glowing surfaces included" },
-    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
       "rgb outgoing radiance without indirect light, linear" },
-    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
       "rgb diffuse reflectance in [0, 1]" },
-    { "f0", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+    { "f0", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
       "specular reflectance at normal incidence in [0, 1], r or rgb" },
-    { "roughness", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, "",
+    { "roughness", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
       "r perceptual roughness in [0, 1]" },
-    { "sky", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_CUBE, "",
+    { "sky", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_CUBE, 1, "",
       "rgb of the environment by world direction. E/pi, already blurred; with free_bits radiance" },
-    { "probes", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_3D, "",
+    { "probes", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_3D, 1, "",
       "rgb SH radiance of a grid: nx * ny * (nz * coefficients), coefficient k in slab k of nz" },
-    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "",
+    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "",
       "view depth. m, 1e15 is sky" },
-    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, "",
+    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, "",
       "octahedral normal, 2 x snorm16; x right, y up, z into the screen" },
-    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_AO",
+    { "view_radiance", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, "",
+      "rgb radiance, finite: 3 x 9 bits with a common exponent of 5" },
+    { "swept", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
+      "per side: steps to the pixel of the line that makes the horizon, 0 if there is none; high half: rise of what lies between" },
+    { "swept_light", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
+      "per side: mean radiance of all that stands up on the way there, as view_radiance" },
+    { "raw_ao", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "",
+      "ao before the filter" },
+    { "raw_near", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "",
+      "rgb near light before the filter" },
+    { "raw_bent", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "",
+      "xyz bent vector before the filter" },
+    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_AO",
       "visibility as the estimator weighs it. 1 is open, range [0, 1]" },
-    { "uniform_ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_UNIFORM_AO",
+    { "uniform_ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_UNIFORM_AO",
       "visible part of the hemisphere's solid angle. 1 is open, range [0, 1]" },
-    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_BENT",
+    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_BENT",
       "cosine-weighted bent vector in view space, not normalised, length 2/3 when open. a = 1" },
-    { "cone", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_CONE",
+    { "cone", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_CONE",
       "visible cone: xyz its axis in view space, the bent direction; a = cosine of its half angle" },
-    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_NEAR",
+    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_NEAR",
       "near irradiance E/pi: multiply by albedo and be done. a = 1" },
-    { "sh", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, "HBIL_OUTPUTS_SH",
+    { "sh", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, 4, "HBIL_OUTPUTS_SH",
       "layers Y00 Y1-1 Y10 Y11 in view space: rgb of near radiance, a of visibility" },
-    { "far", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_FAR",
+    { "far", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_FAR",
       "far irradiance E/pi, through the visible part only. a = 1" },
-    { "irradiance", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_IRRADIANCE",
+    { "irradiance", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_IRRADIANCE",
       "near + far irradiance E/pi: multiply by albedo and be done. a = 1" },
-    { "specular_occlusion", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
+    { "specular_occlusion", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
       "visible part of the specular lobe. 1 is open, range [0, 1]" },
-    { "multi_bounce", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_MULTI_BOUNCE",
+    { "multi_bounce", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_MULTI_BOUNCE",
       "rgb visibility after all bounces off surfaces of the pixel's albedo. a = 1" },
-    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, "HBIL_OUTPUTS_COMPOSITE",
+    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_COMPOSITE",
       "direct + albedo * (near + far). a = 1" },
 };
-static const struct { const char *name, *exists; uint16_t domain, group[2]; const char *meaning; } hbil__passes[] = {
-    { "prepare", "", 9, { 8, 8 },
+static const struct { const char *name, *exists; uint16_t grid, domain, group[2]; const char *meaning; } hbil__passes[] = {
+    { "prepare", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
       "depth of any convention to metres, normals to view space, sky classified on the raw value" },
-    { "march", "", 9, { 8, 8 },
+    { "sweep", "HBIL_SWEPT", HBIL_GRID_LINES, 12, { 32, 1 },
+      "horizons of the whole screen: one walk along every line of every direction, both ways, keeps the hull of what it passed" },
+    { "march", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
       "what each slice sees: visibility, near light and bent vector from the same samples" },
-    { "light", "HBIL_LIGHT_AO || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE", 9, { 8, 8 },
+    { "filter", "HBIL_FILTER", HBIL_GRID_PIXELS, 9, { 8, 8 },
+      "mean over the neighbours that lie on the same surface" },
+    { "light", "HBIL_LIGHT_AO || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE", HBIL_GRID_PIXELS, 9, { 8, 8 },
       "what follows from visibility per pixel: cone, far light, sums, specular occlusion, bounces" },
 };
-static const struct { uint16_t pass, texture, access; const char *when; } hbil__binds[] = {
-    { 0, 0, HBIL_ACCESS_SAMPLE, "" }, /* prepare depth */
-    { 0, 1, HBIL_ACCESS_SAMPLE, "" }, /* prepare normal */
-    { 0, 9, HBIL_ACCESS_WRITE, "" }, /* prepare view_depth */
-    { 0, 10, HBIL_ACCESS_WRITE, "" }, /* prepare view_normal */
-    { 1, 9, HBIL_ACCESS_SAMPLE, "" }, /* march view_depth */
-    { 1, 10, HBIL_ACCESS_SAMPLE, "" }, /* march view_normal */
-    { 1, 2, HBIL_ACCESS_SAMPLE, "" }, /* march radiance */
-    { 1, 5, HBIL_ACCESS_SAMPLE, "" }, /* march f0 */
-    { 1, 7, HBIL_ACCESS_SAMPLE, "" }, /* march sky */
-    { 1, 8, HBIL_ACCESS_SAMPLE, "" }, /* march probes */
-    { 1, 11, HBIL_ACCESS_WRITE, "" }, /* march ao */
-    { 1, 12, HBIL_ACCESS_WRITE, "" }, /* march uniform_ao */
-    { 1, 13, HBIL_ACCESS_WRITE, "" }, /* march bent */
-    { 1, 15, HBIL_ACCESS_WRITE, "" }, /* march near */
-    { 1, 16, HBIL_ACCESS_WRITE, "" }, /* march sh */
-    { 1, 17, HBIL_ACCESS_WRITE, "HBIL_FAR_BITS" }, /* march far */
-    { 2, 9, HBIL_ACCESS_SAMPLE, "" }, /* light view_depth */
-    { 2, 10, HBIL_ACCESS_SAMPLE, "" }, /* light view_normal */
-    { 2, 11, HBIL_ACCESS_SAMPLE, "" }, /* light ao */
-    { 2, 13, HBIL_ACCESS_SAMPLE, "" }, /* light bent */
-    { 2, 15, HBIL_ACCESS_SAMPLE, "" }, /* light near */
-    { 2, 17, HBIL_ACCESS_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
-    { 2, 3, HBIL_ACCESS_SAMPLE, "" }, /* light direct */
-    { 2, 4, HBIL_ACCESS_SAMPLE, "" }, /* light albedo */
-    { 2, 5, HBIL_ACCESS_SAMPLE, "" }, /* light f0 */
-    { 2, 6, HBIL_ACCESS_SAMPLE, "" }, /* light roughness */
-    { 2, 7, HBIL_ACCESS_SAMPLE, "" }, /* light sky */
-    { 2, 8, HBIL_ACCESS_SAMPLE, "" }, /* light probes */
-    { 2, 14, HBIL_ACCESS_WRITE, "" }, /* light cone */
-    { 2, 17, HBIL_ACCESS_WRITE, "!HBIL_FAR_BITS" }, /* light far */
-    { 2, 18, HBIL_ACCESS_WRITE, "" }, /* light irradiance */
-    { 2, 19, HBIL_ACCESS_WRITE, "" }, /* light specular_occlusion */
-    { 2, 20, HBIL_ACCESS_WRITE, "" }, /* light multi_bounce */
-    { 2, 21, HBIL_ACCESS_WRITE, "" }, /* light composite */
+static const struct { uint16_t pass, texture, access, update; const char *when; } hbil__binds[] = {
+    { 0, 0, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare depth */
+    { 0, 1, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare normal */
+    { 0, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare radiance */
+    { 0, 9, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_depth */
+    { 0, 10, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_normal */
+    { 0, 11, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_radiance */
+    { 1, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_depth */
+    { 1, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_normal */
+    { 1, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_radiance */
+    { 1, 12, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept */
+    { 1, 13, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept_light */
+    { 2, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_depth */
+    { 2, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_normal */
+    { 2, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance */
+    { 2, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_radiance */
+    { 2, 12, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept */
+    { 2, 13, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept_light */
+    { 2, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* march f0 */
+    { 2, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* march sky */
+    { 2, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* march probes */
+    { 2, 14, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_ao */
+    { 2, 15, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_near */
+    { 2, 16, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_bent */
+    { 2, 17, HBIL_ACCESS_WRITE, 0, "" }, /* march ao */
+    { 2, 18, HBIL_ACCESS_WRITE, 0, "" }, /* march uniform_ao */
+    { 2, 19, HBIL_ACCESS_WRITE, 0, "" }, /* march bent */
+    { 2, 21, HBIL_ACCESS_WRITE, 0, "" }, /* march near */
+    { 2, 22, HBIL_ACCESS_WRITE, 0, "" }, /* march sh */
+    { 2, 23, HBIL_ACCESS_WRITE, 0, "HBIL_FAR_BITS" }, /* march far */
+    { 3, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_depth */
+    { 3, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_normal */
+    { 3, 14, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_ao */
+    { 3, 15, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_near */
+    { 3, 16, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_bent */
+    { 3, 17, HBIL_ACCESS_WRITE, 0, "" }, /* filter ao */
+    { 3, 21, HBIL_ACCESS_WRITE, 0, "" }, /* filter near */
+    { 3, 19, HBIL_ACCESS_WRITE, 0, "" }, /* filter bent */
+    { 4, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_depth */
+    { 4, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_normal */
+    { 4, 17, HBIL_ACCESS_SAMPLE, 0, "" }, /* light ao */
+    { 4, 19, HBIL_ACCESS_SAMPLE, 0, "" }, /* light bent */
+    { 4, 21, HBIL_ACCESS_SAMPLE, 0, "" }, /* light near */
+    { 4, 23, HBIL_ACCESS_SAMPLE, 0, "HBIL_FAR_BITS" }, /* light far */
+    { 4, 3, HBIL_ACCESS_SAMPLE, 0, "" }, /* light direct */
+    { 4, 4, HBIL_ACCESS_SAMPLE, 0, "" }, /* light albedo */
+    { 4, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* light f0 */
+    { 4, 6, HBIL_ACCESS_SAMPLE, 0, "" }, /* light roughness */
+    { 4, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* light sky */
+    { 4, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* light probes */
+    { 4, 20, HBIL_ACCESS_WRITE, 0, "" }, /* light cone */
+    { 4, 23, HBIL_ACCESS_WRITE, 0, "!HBIL_FAR_BITS" }, /* light far */
+    { 4, 24, HBIL_ACCESS_WRITE, 0, "" }, /* light irradiance */
+    { 4, 25, HBIL_ACCESS_WRITE, 0, "" }, /* light specular_occlusion */
+    { 4, 26, HBIL_ACCESS_WRITE, 0, "" }, /* light multi_bounce */
+    { 4, 27, HBIL_ACCESS_WRITE, 0, "" }, /* light composite */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -1268,6 +1351,112 @@ static const char hbil__glsl_environment_hbil_far[] =
 "#endif\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_lines_hbil_frame_turn[] =
+"// Part of the angle between two directions by which all of them are turned. One value for the whole frame: [0, 1)\n"
+"float hbil_frame_turn() {\n"
+"#if HBIL_NOISE_NONE\n"
+"    return 0.5;\n"
+"#else\n"
+"    return float((2654435769u * HBIL_FRAME_INDEX + 2147483648u) >> 8) / 16777216.0;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_line[] =
+"// Lines of a direction.\n"
+"struct hbil_line {\n"
+"    vec2 d;       // along them, to larger columns or rows: unit, pixels\n"
+"    bool is_row;  // steps go along x, by one pixel each; else along y\n"
+"    int  slope;   // of a line, per step and in strides of HBIL_SWEEP_STRIDE pixels, with 16 fractional bits\n"
+"};\n";
+static const char hbil__glsl_lines_hbil_line_of[] =
+"// Direction of HBIL_SLICES * HBIL_SWEEP_STRIDE, from 45 degrees on one side of x to 45 degrees on the other side of y.\n"
+"hbil_line hbil_line_of(int direction) {\n"
+"    hbil_line l;\n"
+"    float turn = (float(direction) + hbil_frame_turn()) / float(HBIL_SLICES * HBIL_SWEEP_STRIDE);\n"
+"    float phi = (turn - 0.25) * HBIL_PI;\n"
+"    l.d = vec2(cos(phi), sin(phi));\n"
+"    l.is_row = turn < 0.5;\n"
+"    float slope = l.is_row ? l.d.y / l.d.x : l.d.x / l.d.y;\n"
+"    l.slope = int(floor(slope * (65536.0 / float(HBIL_SWEEP_STRIDE)) + 0.5));\n"
+"    return l;\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_shift[] =
+"// Pixels sideways from where a line begins to its pixel at a step. Whole strides: a line keeps its turn.\n"
+"int hbil_shift(hbil_line l, int step) {\n"
+"    return HBIL_SWEEP_STRIDE * ((l.slope * step + 32768) >> 16);\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_across[] =
+"// (column, row) to (step, place across), and back.\n"
+"ivec2 hbil_across(hbil_line l, ivec2 p) {\n"
+"    return l.is_row ? p : p.yx;\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_pixel[] =
+"// Pixel at a step of the line that begins at `start` across.\n"
+"ivec2 hbil_pixel(hbil_line l, int start, int step) {\n"
+"    return hbil_across(l, ivec2(step, start + hbil_shift(l, step)));\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_vertex[] =
+"// Pixel of a line, and the jump from it to the pixel that makes its horizon.\n"
+"struct hbil_vertex {\n"
+"    float nearness;\n"
+"    int   step;\n"
+"    int   back;  // steps of the jump, 0: there is none\n"
+"#if HBIL_GATHER\n"
+"    float rise;  // of all that stands up below it\n"
+"    vec3  light; // mean radiance of that\n"
+"#endif\n"
+"};\n";
+static const char hbil__glsl_lines_hbil_code[] =
+"// Low half: steps. High half: rise, as the upper half of a float.\n"
+"uint hbil_code(hbil_vertex v) {\n"
+"#if HBIL_GATHER\n"
+"    return uint(v.back) | ((floatBitsToUint(v.rise) + 0x8000u) & 0xffff0000u);\n"
+"#else\n"
+"    return uint(v.back);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_back[] =
+"int hbil_back(uint code) {\n"
+"#if HBIL_GATHER\n"
+"    return int(code & 0xffffu);\n"
+"#else\n"
+"    return int(code);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_rise_in[] =
+"float hbil_rise_in(uint code) {\n"
+"    return uintBitsToFloat(code & 0xffff0000u);\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_steeper[] =
+"// Does the pixel `outward` stand higher over `at` than v, which is nearer to it?\n"
+"bool hbil_steeper(hbil_vertex at, hbil_vertex v, int outward, float nearness) {\n"
+"    return (nearness - at.nearness) * float(abs(at.step - v.step))\n"
+"        > (v.nearness - at.nearness) * float(abs(at.step - outward));\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_rise[] =
+"#if HBIL_GATHER\n"
+"// Rise of the line from a pixel to the one before, both by their nearness.\n"
+"float hbil_rise(hbil_line l, float from, float before) {\n"
+"    // of a surface that is seen at 45 degrees, at depth 1\n"
+"    float pitch = length(HBIL_PIXEL_TO_RAY.xy * l.d) / max(abs(l.d.x), abs(l.d.y));\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    pitch *= from;\n"
+"#endif\n"
+"    return max(before - from + pitch, 0.0);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_lines_hbil_pack_radiance[] =
+"// 3 x 9 bits with a common exponent: relative error of the largest channel below 0.002. r in [0, 60000]\n"
+"uint hbil_pack_radiance(vec3 r) {\n"
+"    float top = max(max(r.r, r.g), r.b) * 1.001; // so that no channel rounds up to 512\n"
+"    uint e = uint(clamp(int(floatBitsToUint(top) >> 23) - 111, 0, 31));\n"
+"    uvec3 m = uvec3(r * uintBitsToFloat((151u - e) << 23) + 0.5);\n"
+"    return m.r | (m.g << 9) | (m.b << 18) | (e << 27);\n"
+"}\n";
+static const char hbil__glsl_lines_hbil_unpack_radiance[] =
+"vec3 hbil_unpack_radiance(uint code) {\n"
+"    uvec3 m = (uvec3(code) >> uvec3(0u, 9u, 18u)) & 511u;\n"
+"    return vec3(m) * uintBitsToFloat(((code >> 27) + 103u) << 23);\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_hilbert[] =
 "// Index of a pixel along a Hilbert curve that fills a 64 x 64 tile: neighbours on screen stay close in the sequence.\n"
 "uint hbil_hilbert(uvec2 p) {\n"
@@ -1404,15 +1593,26 @@ static const char hbil__glsl_slice_hbil_side[] =
 "// One side of a slice.\n"
 "struct hbil_side {\n"
 "    vec3 tangent;   // D, or -D for the back\n"
+"#if HBIL_SWEPT\n"
+"    hbil_line line;\n"
+"#endif\n"
+"#if HBIL_SAMPLED\n"
 "    vec2 d;         // its direction on the screen, unit\n"
 "    float reach_px; // pixels to search\n"
 "    float jitter;\n"
+"#endif\n"
 "#if !HBIL_ESTIMATOR_HBAO_PLUS\n"
 "    float nx;       // normal along the tangent\n"
 "    float c0;       // horizon of the tangent plane, where the search starts\n"
 "#endif\n"
 "};\n";
 static const char hbil__glsl_slice_hbil_side_of[] =
+"#if HBIL_MARCH_SWEEP\n"
+"hbil_side hbil_side_of(hbil_receiver r, vec3 slice, hbil_line line) {\n"
+"    hbil_side s;\n"
+"    s.tangent = slice;\n"
+"    s.line = line;\n"
+"#else\n"
 "// back: -1 for the side of -D, 1 for the other one.\n"
 "hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float back) {\n"
 "    hbil_side s;\n"
@@ -1423,12 +1623,93 @@ static const char hbil__glsl_slice_hbil_side_of[] =
 "    s.reach_px = min(s.reach_px, hbil_reach(r.position, r.v, s.tangent));\n"
 "#endif\n"
 "    s.jitter = jitter;\n"
+"#endif\n"
 "#if !HBIL_ESTIMATOR_HBAO_PLUS\n"
 "    s.nx = dot(r.n, s.tangent);\n"
 "    s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);\n"
 "#endif\n"
 "    return s;\n"
 "}\n";
+static const char hbil__glsl_slice_hbil_horizon_at[] =
+"#if HBIL_SWEPT\n"
+"// Horizon that pixel q makes on a side.\n"
+"float hbil_horizon_at(hbil_receiver r, hbil_side s, ivec2 q) {\n"
+"    vec3 h = hbil_position(vec2(q) + 0.5, hbil_load_depth(q)) - r.position;\n"
+"    float inv = inversesqrt(max(dot(h, h), 1e-30));\n"
+"    float c = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
+"    return c > s.c0 && dot(r.n, h) * inv > HBIL_BIAS ? c : s.c0;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_slice_hbil_swept[] =
+"#if HBIL_MARCH_SWEEP\n"
+"// Horizon that the sweep found on a side: layer 0 or 1 of its slice. One depth to load, and the mean radiance of what\n"
+"// it hides.\n"
+"#if HBIL_GATHER\n"
+"float hbil_swept(hbil_receiver r, hbil_side s, int layer, out vec3 radiance) {\n"
+"    radiance = hbil_unpack_radiance(texelFetch(u_swept_light, ivec3(r.pixel, layer), 0).r);\n"
+"#else\n"
+"float hbil_swept(hbil_receiver r, hbil_side s, int layer) {\n"
+"#endif\n"
+"    int back = hbil_back(texelFetch(u_swept, ivec3(r.pixel, layer), 0).r);\n"
+"    ivec2 from = hbil_across(s.line, r.pixel);\n"
+"    int to = layer % 2 == 0 ? from.x + back : from.x - back;\n"
+"    return back > 0 ? hbil_horizon_at(r, s, hbil_pixel(s.line, from.y - hbil_shift(s.line, from.x), to)) : s.c0;\n"
+"}\n"
+"#elif HBIL_MARCH_BOTH\n"
+"// Horizon of all beyond the samples on a side: the hull of the pixel where they end, as seen from the receiver. Layer\n"
+"// 0 or 1 of its slice.\n"
+"#if HBIL_GATHER\n"
+"float hbil_swept(hbil_receiver r, hbil_side s, int layer, out vec3 radiance) {\n"
+"    radiance = vec3(0.0);\n"
+"#else\n"
+"float hbil_swept(hbil_receiver r, hbil_side s, int layer) {\n"
+"#endif\n"
+"    ivec2 from = hbil_across(s.line, r.pixel);\n"
+"    int start = from.y - hbil_shift(s.line, from.x);\n"
+"    int way = layer % 2 == 0 ? 1 : -1;\n"
+"    hbil_vertex at;\n"
+"    at.nearness = hbil_nearness(r.position.z);\n"
+"    at.step = from.x;\n"
+"    hbil_vertex v;\n"
+"    v.step = from.x + way * (1 + int(s.reach_px * max(abs(s.line.d.x), abs(s.line.d.y))));\n"
+"    ivec2 q = hbil_pixel(s.line, start, v.step);\n"
+"    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return s.c0;\n"
+"    uint code = texelFetch(u_swept, ivec3(q, layer), 0).r;\n"
+"    float z = hbil_load_depth(q);\n"
+"    if (z >= HBIL_SKY) { // on to the next surface\n"
+"        v.step += way * hbil_back(code);\n"
+"        q = hbil_pixel(s.line, start, v.step);\n"
+"        if (hbil_back(code) == 0) return s.c0;\n"
+"        code = texelFetch(u_swept, ivec3(q, layer), 0).r;\n"
+"        z = hbil_load_depth(q);\n"
+"    }\n"
+"    v.nearness = hbil_nearness(z);\n"
+"#if HBIL_GATHER\n"
+"    at.rise = hbil_rise(s.line, at.nearness, v.nearness);\n"
+"    radiance = hbil_unpack_radiance(texelFetch(u_view_radiance, q, 0).r);\n"
+"    at.light = at.rise * radiance;\n"
+"#endif\n"
+"    while (hbil_back(code) != 0) {\n"
+"        int outward = v.step + way * hbil_back(code);\n"
+"        ivec2 next = hbil_pixel(s.line, start, outward);\n"
+"        float nearness = hbil_nearness(hbil_load_depth(next));\n"
+"        if (!hbil_steeper(at, v, outward, nearness)) break;\n"
+"#if HBIL_GATHER\n"
+"        v.rise = hbil_rise_in(code);\n"
+"        at.rise += v.rise;\n"
+"        at.light += v.rise * hbil_unpack_radiance(texelFetch(u_swept_light, ivec3(q, layer), 0).r);\n"
+"#endif\n"
+"        v.nearness = nearness;\n"
+"        v.step = outward;\n"
+"        q = next;\n"
+"        code = texelFetch(u_swept, ivec3(q, layer), 0).r;\n"
+"    }\n"
+"#if HBIL_GATHER\n"
+"    if (at.rise > 0.0) radiance = at.light / at.rise;\n"
+"#endif\n"
+"    return hbil_horizon_at(r, s, q);\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_slice_hbil_visit[] =
 "// Where a side's search is.\n"
 "struct hbil_visit {\n"
@@ -1484,6 +1765,9 @@ static const char hbil__glsl_slice_hbil_source[] =
 static const char hbil__glsl_slice_hbil_sums[] =
 "// Sums over the slices.\n"
 "struct hbil_sums {\n"
+"#if HBIL_SWEPT\n"
+"    float weight;  // azimuth that the slices stand for, up to a factor\n"
+"#endif\n"
 "#if !HBIL_COSINE\n"
 "    float hidden; // part that is occluded, as the estimator weighs it\n"
 "#endif\n"
@@ -1523,8 +1807,8 @@ static const char hbil__glsl_horizon_hbil_light[] =
 "#if HBIL_GATHER\n"
 "// Light of a side. Its weight is the dot product of (nx, ny) with its moments, so one set of arcs gives both.\n"
 "struct hbil_light {\n"
-"#if HBIL_OCCLUDER_HEURISTIC\n"
-"    vec3 mean; // radiance of what stands in front, so that a sinking horizon takes its share of all\n"
+"#if HBIL_MEAN_LIGHT\n"
+"    vec3 mean; // radiance of what stands in front, of which a horizon takes its share\n"
 "#else\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near;\n"
@@ -1544,7 +1828,7 @@ static const char hbil__glsl_horizon_hbil_dark[] =
 "#if HBIL_GATHER\n"
 "hbil_light hbil_dark() {\n"
 "    hbil_light light;\n"
-"#if HBIL_OCCLUDER_HEURISTIC\n"
+"#if HBIL_MEAN_LIGHT\n"
 "    light.mean = vec3(0.0);\n"
 "#else\n"
 "#if HBIL_NEAR_LIGHT\n"
@@ -1727,7 +2011,7 @@ static const char hbil__glsl_horizon_hbil_add_light[] =
 "#if HBIL_GATHER\n"
 "// The light of a side into the sums; c: its horizon.\n"
 "void hbil_add_light(hbil_receiver r, hbil_side s, hbil_light light, float c, inout hbil_sums sum) {\n"
-"#if HBIL_OCCLUDER_HEURISTIC\n"
+"#if HBIL_MEAN_LIGHT\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    sum.near += light.mean * hbil_weight(s.nx, r.ny, s.c0, c);\n"
 "#endif\n"
@@ -1750,11 +2034,29 @@ static const char hbil__glsl_horizon_hbil_add_light[] =
 "#endif\n";
 static const char hbil__glsl_horizon_hbil_horizon_slice[] =
 "// Add the slice with tangent D and screen direction d.\n"
+"#if HBIL_MARCH_SWEEP\n"
+"void hbil_horizon_slice(hbil_receiver r, vec3 slice, hbil_line line, int i, inout hbil_sums sum) {\n"
+"    hbil_side front = hbil_side_of(r, slice, line);\n"
+"    hbil_side back = front;\n"
+"    back.tangent = -front.tangent;\n"
+"    back.nx = -front.nx;\n"
+"    back.c0 = -front.c0;\n"
+"#else\n"
 "void hbil_horizon_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_sums sum) {\n"
 "    hbil_side front = hbil_side_of(r, slice, d, jitter, 1.0);\n"
 "    hbil_side back = hbil_side_of(r, slice, d, jitter, -1.0);\n"
+"#endif\n"
 "    float nx = front.nx;\n"
-"#if HBIL_GATHER\n"
+"#if HBIL_MARCH_SWEEP && HBIL_GATHER\n"
+"    hbil_light light;\n"
+"    float cf = hbil_swept(r, front, 2 * i, light.mean);\n"
+"    hbil_add_light(r, front, light, cf, sum);\n"
+"    float cb = hbil_swept(r, back, 2 * i + 1, light.mean);\n"
+"    hbil_add_light(r, back, light, cb, sum);\n"
+"#elif HBIL_MARCH_SWEEP\n"
+"    float cf = hbil_swept(r, front, 2 * i);\n"
+"    float cb = hbil_swept(r, back, 2 * i + 1);\n"
+"#elif HBIL_GATHER\n"
 "    hbil_light light = hbil_dark();\n"
 "    float cf = hbil_horizon(r, front, light);\n"
 "    hbil_add_light(r, front, light, cf, sum);\n"
@@ -1926,18 +2228,8 @@ static const char hbil__glsl_bitmask_hbil_span_of[] =
 "}\n";
 static const char hbil__glsl_bitmask_hbil_add_bits[] =
 "#if HBIL_GATHER\n"
-"// Light of the pixel q (seen along the unit vector `along`) through sectors that nothing nearer has filled.\n"
-"#if HBIL_FACING_FILTER\n"
-"void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, vec3 along, uint bits, inout vec3 accepted,\n"
-"        inout hbil_sums sum) {\n"
-"    vec3 radiance = hbil_source(q, along, accepted);\n"
-"#else\n"
-"void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, uint bits, inout hbil_sums sum) {\n"
-"    vec3 radiance = hbil_load_radiance(q);\n"
-"#endif\n"
-"#if HBIL_FACING_HALF_SPACE\n"
-"    bits &= hbil_lit_bits(r, f, hbil_load_normal(q));\n"
-"#endif\n"
+"// Radiance through sectors that nothing nearer has filled.\n"
+"void hbil_add_bits(hbil_receiver r, hbil_fan f, uint bits, vec3 radiance, inout hbil_sums sum) {\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    sum.near += float(bitCount(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;\n"
 "#endif\n"
@@ -1979,7 +2271,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "        float inv = inversesqrt(l2);\n"
 "        float high = clamp(dot(h, r.v) * inv, -1.0, 1.0);\n"
 "        float low = hbil_low_end(r, s, position);\n"
-"#if !HBIL_REACH_0\n"
+"#if HBIL_MARCH_SAMPLED && !HBIL_REACH_0\n"
 "        high = mix(low, high, hbil_fade(l2 * inv));\n"
 "#endif\n"
 "        if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;\n"
@@ -1988,15 +2280,41 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "        uint bits = hbil_bits(min(a, b), max(a, b));\n"
 "#if HBIL_GATHER\n"
 "        uint fresh = bits & ~hidden;\n"
+"        if (fresh != 0u) {\n"
 "#if HBIL_FACING_FILTER\n"
-"        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), h * inv, fresh, accepted, sum);\n"
+"            vec3 radiance = hbil_source(ivec2(at.pixel), h * inv, accepted);\n"
 "#else\n"
-"        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), fresh, sum);\n"
+"            vec3 radiance = hbil_load_radiance(ivec2(at.pixel));\n"
 "#endif\n"
+"#if HBIL_FACING_HALF_SPACE\n"
+"            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));\n"
+"#endif\n"
+"            hbil_add_bits(r, f, fresh, radiance, sum);\n"
+"        }\n"
 "#endif\n"
 "        hidden |= bits;\n"
 "    }\n"
 "}\n";
+static const char hbil__glsl_bitmask_hbil_fill_swept[] =
+"#if HBIL_MARCH_BOTH\n"
+"// Fill what the sweep hides beyond the samples of one side, as a solid.\n"
+"void hbil_fill_swept(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, int layer, inout uint hidden,\n"
+"        inout hbil_sums sum) {\n"
+"#if HBIL_GATHER\n"
+"    vec3 radiance;\n"
+"    float c = hbil_swept(r, s, layer, radiance);\n"
+"#else\n"
+"    float c = hbil_swept(r, s, layer);\n"
+"#endif\n"
+"    int a = hbil_edge(f, s, is_back, s.c0);\n"
+"    int b = hbil_edge(f, s, is_back, c);\n"
+"    uint bits = hbil_bits(min(a, b), max(a, b)) & ~hidden;\n"
+"#if HBIL_GATHER\n"
+"    hbil_add_bits(r, f, bits, radiance, sum);\n"
+"#endif\n"
+"    hidden |= bits;\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_bitmask_hbil_far_arc[] =
 "#if HBIL_FAR_BITS\n"
 "// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
@@ -2014,13 +2332,25 @@ static const char hbil__glsl_bitmask_hbil_far_arc[] =
 "#endif\n";
 static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "// Add the slice with tangent D and screen direction d.\n"
+"#if HBIL_MARCH_BOTH\n"
+"void hbil_bitmask_slice(hbil_receiver r, vec3 slice, hbil_line line, int i, vec2 jitter, inout hbil_sums sum) {\n"
+"    hbil_side front = hbil_side_of(r, slice, line.d, jitter.x, 1.0);\n"
+"    hbil_side back = hbil_side_of(r, slice, line.d, jitter.x, -1.0);\n"
+"    front.line = line;\n"
+"    back.line = line;\n"
+"#else\n"
 "void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout hbil_sums sum) {\n"
 "    hbil_side front = hbil_side_of(r, slice, d, jitter.x, 1.0);\n"
 "    hbil_side back = hbil_side_of(r, slice, d, jitter.x, -1.0);\n"
+"#endif\n"
 "    hbil_fan f = hbil_fan_of(r, front, back, jitter.y);\n"
 "    uint hidden = 0u;\n"
 "    hbil_fill(r, f, front, false, hidden, sum);\n"
 "    hbil_fill(r, f, back, true, hidden, sum);\n"
+"#if HBIL_MARCH_BOTH\n"
+"    hbil_fill_swept(r, f, front, false, 2 * i, hidden, sum);\n"
+"    hbil_fill_swept(r, f, back, true, 2 * i + 1, hidden, sum);\n"
+"#endif\n"
 "#if HBIL_SUMS || HBIL_FAR_BITS\n"
 "    float full = f.light_front + f.light_back;\n"
 "#endif\n"
@@ -2222,11 +2552,131 @@ static const char hbil__glsl_prepare_main[] =
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_view_depth(p);\n"
 "    imageStore(u_view_depth, p, vec4(z));\n"
+"#if HBIL_PACKED\n"
+"    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_load_radiance(p))));\n"
+"#endif\n"
 "    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));\n"
+"}\n";
+static const char hbil__glsl_sweep_HBIL_BACK_LOW[] =
+"const float HBIL_BACK_LOW = -0.7; // cosine of normal and way to the next pixel up to which a surface turns its back\n";
+static const char hbil__glsl_sweep_HBIL_BACK_HIGH[] =
+"const float HBIL_BACK_HIGH = -0.3; // and from which on it does not: a smooth surface has 0\n";
+static const char hbil__glsl_sweep_hbil_lit_step[] =
+"#if HBIL_GATHER && !HBIL_FACING_NONE\n"
+"// Part of the light of pixel p that goes on along the line, to the pixel `next`: none if p turns its back there.\n"
+"float hbil_lit_step(ivec2 p, float nearness, ivec2 next, float next_nearness) {\n"
+"    vec3 way = hbil_position(vec2(next) + 0.5, hbil_depth_of(next_nearness))\n"
+"        - hbil_position(vec2(p) + 0.5, hbil_depth_of(nearness));\n"
+"    float facing = dot(hbil_load_normal(p), way) * inversesqrt(max(dot(way, way), 1e-30));\n"
+"    return smoothstep(HBIL_BACK_LOW, HBIL_BACK_HIGH, facing);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_sweep_hbil_walk[] =
+"// One walk along a line, towards smaller steps if `down`.\n"
+"void hbil_walk(hbil_line l, int lane, int width, bool down, int layer) {\n"
+"    int steps = hbil_across(l, HBIL_SIZE).x;\n"
+"    int way = down ? -1 : 1;\n"
+"    int start = lane; // place across where the line would begin\n"
+"    hbil_vertex last; // the last pixel with a surface\n"
+"    last.step = -1;\n"
+"#if HBIL_GATHER\n"
+"    vec3 own = vec3(0.0); // its own radiance\n"
+"#endif\n"
+"#if HBIL_GATHER && !HBIL_FACING_NONE\n"
+"    ivec2 before = ivec2(0);\n"
+"#if HBIL_FACING_FILTER\n"
+"    vec3 accepted = vec3(0.0); // the last light that was taken\n"
+"#endif\n"
+"#endif\n"
+"    for (int step = down ? steps - 1 : 0; down ? step >= 0 : step < steps; step += way) {\n"
+"        int here = lane + hbil_shift(l, step);\n"
+"        here = lane - int(floor((float(here) + 0.5) / float(width))) * width;\n"
+"        if (here != start) last.step = -1; // the line has come in again on the other side\n"
+"        start = here;\n"
+"        ivec2 p = hbil_pixel(l, start, step);\n"
+"        if (any(greaterThanEqual(p, HBIL_SIZE))) continue;\n"
+"        hbil_vertex v = last;\n"
+"        float z = hbil_load_depth(p);\n"
+"        bool surface = z < HBIL_SKY;\n"
+"        hbil_vertex at;\n"
+"        at.nearness = hbil_nearness(z);\n"
+"        at.step = step;\n"
+"        at.back = 0;\n"
+"#if HBIL_GATHER\n"
+"        at.rise = 0.0;\n"
+"        at.light = vec3(0.0);\n"
+"#endif\n"
+"        if (last.step >= 0) {\n"
+"#if HBIL_FACING_HALF_SPACE && HBIL_GATHER\n"
+"            own *= hbil_lit_step(before, last.nearness, p, at.nearness);\n"
+"#elif HBIL_FACING_FILTER && HBIL_GATHER\n"
+"            accepted = mix(accepted, own, hbil_lit_step(before, last.nearness, p, at.nearness));\n"
+"            own = accepted;\n"
+"#endif\n"
+"#if HBIL_GATHER\n"
+"            at.rise = hbil_rise(l, at.nearness, last.nearness);\n"
+"            at.light = at.rise * own;\n"
+"#endif\n"
+"            while (surface && v.back != 0) {\n"
+"                int outward = v.step - way * v.back;\n"
+"                ivec2 q = hbil_pixel(l, start, outward);\n"
+"                float nearness = hbil_nearness(hbil_load_depth(q));\n"
+"                if (!hbil_steeper(at, v, outward, nearness)) break;\n"
+"#if HBIL_GATHER\n"
+"                at.rise += v.rise;\n"
+"                at.light += v.rise * v.light;\n"
+"                v.light = hbil_unpack_radiance(imageLoad(u_swept_light, ivec3(q, layer)).r);\n"
+"#endif\n"
+"                uint code = imageLoad(u_swept, ivec3(q, layer)).r;\n"
+"                v.back = hbil_back(code);\n"
+"#if HBIL_GATHER\n"
+"                v.rise = hbil_rise_in(code);\n"
+"#endif\n"
+"                v.nearness = nearness;\n"
+"                v.step = outward;\n"
+"            }\n"
+"            at.back = abs(step - v.step);\n"
+"#if HBIL_GATHER\n"
+"            at.light = at.rise > 0.0 ? at.light / at.rise : own;\n"
+"#endif\n"
+"        }\n"
+"        imageStore(u_swept, ivec3(p, layer), uvec4(hbil_code(at)));\n"
+"#if HBIL_GATHER\n"
+"        imageStore(u_swept_light, ivec3(p, layer), uvec4(hbil_pack_radiance(at.light)));\n"
+"#endif\n"
+"        if (!surface) continue;\n"
+"#if HBIL_GATHER\n"
+"        own = hbil_unpack_radiance(texelFetch(u_view_radiance, p, 0).r);\n"
+"#if !HBIL_FACING_NONE\n"
+"        before = p;\n"
+"#endif\n"
+"#endif\n"
+"        last = at;\n"
+"    }\n"
+"}\n";
+static const char hbil__glsl_sweep_main[] =
+"void main() {\n"
+"    int lane = int(gl_GlobalInvocationID.x);\n"
+"    int layer = int(gl_GlobalInvocationID.y);\n"
+"    int slice = layer / 2;\n"
+"    // the lines of a direction side by side: neighbours in a wave do alike\n"
+"#if HBIL_SWEEP_STRIDE_1\n"
+"    hbil_line l = hbil_line_of(slice);\n"
+"    int width = hbil_across(l, HBIL_SIZE).y;\n"
+"#else\n"
+"    int lines = (hbil_across(hbil_line_of(slice * HBIL_SWEEP_STRIDE), HBIL_SIZE).y - 1) / HBIL_SWEEP_STRIDE + 1;\n"
+"    int width = lines * HBIL_SWEEP_STRIDE; // whole strides: a line that comes in again keeps its turn\n"
+"    hbil_line l = hbil_line_of(slice * HBIL_SWEEP_STRIDE + min(lane / lines, HBIL_SWEEP_STRIDE - 1));\n"
+"    lane = lane < width ? lane % lines * HBIL_SWEEP_STRIDE + lane / lines : width;\n"
+"#endif\n"
+"    if (lane < width) hbil_walk(l, lane, width, layer % 2 == 0, layer);\n"
 "}\n";
 static const char hbil__glsl_march_hbil_nothing[] =
 "hbil_sums hbil_nothing() {\n"
 "    hbil_sums sum;\n"
+"#if HBIL_SWEPT\n"
+"    sum.weight = 0.0;\n"
+"#endif\n"
 "#if !HBIL_COSINE\n"
 "    sum.hidden = 0.0;\n"
 "#endif\n"
@@ -2254,6 +2704,66 @@ static const char hbil__glsl_march_hbil_nothing[] =
 "#endif\n"
 "    return sum;\n"
 "}\n";
+static const char hbil__glsl_march_hbil_add_sums[] =
+"#if HBIL_SWEPT\n"
+"// Add a slice that stands for more or less azimuth than another.\n"
+"void hbil_add_sums(hbil_sums slice, float weight, inout hbil_sums sum) {\n"
+"    sum.weight += weight;\n"
+"#if HBIL_SUMS\n"
+"    sum.full += weight * slice.full;\n"
+"    sum.blocked += weight * slice.blocked;\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    sum.near += weight * slice.near;\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    sum.bent += weight * slice.bent;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    sum.uniform_open += weight * slice.uniform_open;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    sum.sh_0 += weight * slice.sh_0;\n"
+"    sum.sh_x += weight * slice.sh_x;\n"
+"    sum.sh_y += weight * slice.sh_y;\n"
+"    sum.sh_z += weight * slice.sh_z;\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    sum.far += weight * slice.far;\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_march_swept[] =
+"#if HBIL_SWEPT\n"
+"// All slices of a pixel. The lines of a sweep are uniform on the screen: each counts for the azimuth around V that it\n"
+"// stands for.\n"
+"hbil_sums hbil_march_swept(ivec2 p, float z) {\n"
+"    hbil_sums sum = hbil_nothing();\n"
+"    hbil_receiver r = hbil_receive(p, z);\n"
+"#if HBIL_MARCH_BOTH\n"
+"    vec3 noise = hbil_noise(p);\n"
+"#endif\n"
+"    for (int i = 0; i < HBIL_SLICES; ++i) {\n"
+"#if HBIL_SWEEP_STRIDE_1\n"
+"        hbil_line line = hbil_line_of(i);\n"
+"#else\n"
+"        int turn = (2 * i < HBIL_SLICES ? p.y : p.x) % HBIL_SWEEP_STRIDE;\n"
+"        hbil_line line = hbil_line_of(i * HBIL_SWEEP_STRIDE + turn);\n"
+"#endif\n"
+"        vec3 d = vec3(line.d * HBIL_PIXEL_TO_RAY.xy, 0.0);\n"
+"        vec3 across = d - dot(d, r.v) * r.v;\n"
+"        float inv = inversesqrt(dot(across, across));\n"
+"        hbil_sums one = hbil_nothing();\n"
+"#if HBIL_MARCH_BOTH\n"
+"        hbil_bitmask_slice(r, across * inv, line, i, vec2(noise.y, fract(noise.z + float(i) * 0.61803399)), one);\n"
+"#else\n"
+"        hbil_horizon_slice(r, across * inv, line, i, one);\n"
+"#endif\n"
+"        hbil_add_sums(one, inv * inv, sum);\n"
+"    }\n"
+"    return sum;\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_march_hbil_march[] =
 "// All slices of a pixel.\n"
 "hbil_sums hbil_march(ivec2 p, float z) {\n"
@@ -2293,13 +2803,52 @@ static const char hbil__glsl_march_hbil_march[] =
 "    }\n"
 "    return sum;\n"
 "}\n";
+static const char hbil__glsl_march_hbil_mean[] =
+"// What turns sums over slices into means.\n"
+"float hbil_mean(hbil_sums sum) {\n"
+"#if HBIL_SWEPT\n"
+"    return 1.0 / sum.weight;\n"
+"#else\n"
+"    return 1.0 / float(HBIL_SLICES);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_march_hbil_store_ao[] =
+"#if HBIL_AO\n"
+"void hbil_store_ao(ivec2 p, float ao) {\n"
+"#if HBIL_FILTER\n"
+"    imageStore(u_raw_ao, p, vec4(ao));\n"
+"#else\n"
+"    imageStore(u_ao, p, vec4(ao));\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_store_near[] =
+"#if HBIL_NEAR_LIGHT\n"
+"void hbil_store_near(ivec2 p, vec3 near) {\n"
+"#if HBIL_FILTER\n"
+"    imageStore(u_raw_near, p, vec4(near, 1.0));\n"
+"#else\n"
+"    imageStore(u_near, p, vec4(near, 1.0));\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_march_hbil_store_bent[] =
+"#if HBIL_BENT\n"
+"void hbil_store_bent(ivec2 p, vec3 bent) {\n"
+"#if HBIL_FILTER\n"
+"    imageStore(u_raw_bent, p, vec4(bent, 1.0));\n"
+"#else\n"
+"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
+"#endif\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_march_hbil_store_sh[] =
 "#if HBIL_OUTPUTS_SH\n"
 "// Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its\n"
 "// whole solid angle. Near radiance and visibility together are those of the open hemisphere.\n"
 "void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {\n"
 "    vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);\n"
-"    imageStore(u_sh, ivec3(p, 0), 0.282095 / float(HBIL_SLICES) * factor * sum.sh_0);\n"
+"    imageStore(u_sh, ivec3(p, 0), 0.282095 * hbil_mean(sum) * factor * sum.sh_0);\n"
 "    imageStore(u_sh, ivec3(p, 1), 0.488603 * scale * factor * sum.sh_y);\n"
 "    imageStore(u_sh, ivec3(p, 2), 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z);\n"
 "    imageStore(u_sh, ivec3(p, 3), 0.488603 * scale * factor * sum.sh_x);\n"
@@ -2312,11 +2861,11 @@ static const char hbil__glsl_march_hbil_store[] =
 "    // what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
 "    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
 "#elif HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)\n"
-"    float scale = 1.0 / float(HBIL_SLICES);\n"
+"    float scale = hbil_mean(sum);\n"
 "#endif\n"
 "#if HBIL_VISIBILITY\n"
 "#if !HBIL_COSINE\n"
-"    float ao = 1.0 - sum.hidden / float(HBIL_SLICES);\n"
+"    float ao = 1.0 - sum.hidden * hbil_mean(sum);\n"
 "#elif HBIL_SEED_COMPAT_SLICE_MEAN\n"
 "    float ao = (sum.full - sum.blocked) * scale;\n"
 "#else\n"
@@ -2329,25 +2878,25 @@ static const char hbil__glsl_march_hbil_store[] =
 "#endif\n"
 "#endif\n"
 "#if HBIL_AO\n"
-"    imageStore(u_ao, p, vec4(ao));\n"
+"    hbil_store_ao(p, ao);\n"
 "#endif\n"
 "#if HBIL_BENT\n"
 "    // no ratio: from two slices on the vectors of an open surface add up to 2/3 n by themselves\n"
-"    vec3 bent = sum.bent / float(HBIL_SLICES) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
+"    vec3 bent = sum.bent * hbil_mean(sum) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
 "#if !HBIL_AO_EXPONENT_1\n"
 "    bent *= lift;\n"
 "#endif\n"
-"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
+"    hbil_store_bent(p, bent);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(sum.uniform_open / float(HBIL_SLICES)));\n"
+"    imageStore(u_uniform_ao, p, vec4(sum.uniform_open * hbil_mean(sum)));\n"
 "#endif\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near = scale * HBIL_NEAR_INTENSITY * sum.near;\n"
 "#if !HBIL_F0_NONE\n"
 "    near *= hbil_diffuse(p);\n"
 "#endif\n"
-"    imageStore(u_near, p, vec4(near, 1.0));\n"
+"    hbil_store_near(p, near);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    hbil_store_sh(p, sum, scale);\n"
@@ -2364,16 +2913,16 @@ static const char hbil__glsl_march_hbil_store_sky[] =
 "// A pixel without a surface.\n"
 "void hbil_store_sky(ivec2 p) {\n"
 "#if HBIL_AO\n"
-"    imageStore(u_ao, p, vec4(1.0));\n"
+"    hbil_store_ao(p, 1.0);\n"
 "#endif\n"
 "#if HBIL_BENT\n"
-"    imageStore(u_bent, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"    hbil_store_bent(p, vec3(0.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
 "    imageStore(u_uniform_ao, p, vec4(1.0));\n"
 "#endif\n"
 "#if HBIL_NEAR_LIGHT\n"
-"    imageStore(u_near, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"    hbil_store_near(p, vec3(0.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));\n"
@@ -2387,8 +2936,78 @@ static const char hbil__glsl_march_main[] =
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
+"#if HBIL_SWEPT\n"
+"    if (z < HBIL_SKY) hbil_store(p, hbil_march_swept(p, z));\n"
+"#else\n"
 "    if (z < HBIL_SKY) hbil_store(p, hbil_march(p, z));\n"
+"#endif\n"
 "    else hbil_store_sky(p);\n"
+"}\n";
+static const char hbil__glsl_filter_HBIL_FILTER_RADIUS[] =
+"#if HBIL_FILTER_3X3\n"
+"const int HBIL_FILTER_RADIUS = 1; // pixels\n"
+"#else\n"
+"const int HBIL_FILTER_RADIUS = 2; // pixels\n"
+"#endif\n";
+static const char hbil__glsl_filter_HBIL_FILTER_STEEP[] =
+"const float HBIL_FILTER_STEEP = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels\n";
+static const char hbil__glsl_filter_HBIL_FILTER_ALIKE[] =
+"const float HBIL_FILTER_ALIKE = 0.7; // cosine between two normals from which on a neighbour begins to count\n";
+static const char hbil__glsl_filter_hbil_filter_weight[] =
+"// How far a neighbour is part of the surface with normal n at `position`. [0, 1]\n"
+"float hbil_filter_weight(ivec2 q, vec3 position, vec3 n, float pixel) {\n"
+"    float z = hbil_load_depth(q);\n"
+"    if (z >= HBIL_SKY) return 0.0;\n"
+"    float off = abs(dot(n, hbil_position(vec2(q) + 0.5, z) - position));\n"
+"    float alike = dot(n, hbil_load_normal(q));\n"
+"    return clamp(1.0 - off / (HBIL_FILTER_STEEP * pixel), 0.0, 1.0)\n"
+"        * clamp((alike - HBIL_FILTER_ALIKE) / (1.0 - HBIL_FILTER_ALIKE), 0.0, 1.0);\n"
+"}\n";
+static const char hbil__glsl_filter_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_load_depth(p);\n"
+"    vec3 position = hbil_position(vec2(p) + 0.5, z);\n"
+"    vec3 n = hbil_load_normal(p);\n"
+"    // width of a pixel there\n"
+"    float pixel = length(hbil_position(vec2(p) + vec2(1.5, 0.5), z) - position);\n"
+"    float all = 0.0;\n"
+"#if HBIL_AO\n"
+"    float ao = 0.0;\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    vec3 near = vec3(0.0);\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    vec3 bent = vec3(0.0);\n"
+"#endif\n"
+"    for (int y = -HBIL_FILTER_RADIUS; y <= HBIL_FILTER_RADIUS; ++y)\n"
+"        for (int x = -HBIL_FILTER_RADIUS; x <= HBIL_FILTER_RADIUS; ++x) {\n"
+"            ivec2 q = p + ivec2(x, y);\n"
+"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
+"            // the pixel itself always counts, a sky pixel nothing else\n"
+"            float w = q == p ? 1.0 : z < HBIL_SKY ? hbil_filter_weight(q, position, n, pixel) : 0.0;\n"
+"            all += w;\n"
+"#if HBIL_AO\n"
+"            ao += w * texelFetch(u_raw_ao, q, 0).r;\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"            near += w * texelFetch(u_raw_near, q, 0).rgb;\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"            bent += w * texelFetch(u_raw_bent, q, 0).xyz;\n"
+"#endif\n"
+"        }\n"
+"#if HBIL_AO\n"
+"    imageStore(u_ao, p, vec4(ao / all));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    imageStore(u_near, p, vec4(near / all, 1.0));\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    imageStore(u_bent, p, vec4(bent / all, 1.0));\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_light_hbil_angle[] =
 "// acos with the accuracy of atan, which acos does not have on every driver. rad\n"
@@ -2565,6 +3184,20 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_fit", "environment", hbil__glsl_environment_hbil_fit },
     { "hbil_opening", "environment", hbil__glsl_environment_hbil_opening },
     { "hbil_far", "environment", hbil__glsl_environment_hbil_far },
+    { "hbil_frame_turn", "lines", hbil__glsl_lines_hbil_frame_turn },
+    { "hbil_line", "lines", hbil__glsl_lines_hbil_line },
+    { "hbil_line_of", "lines", hbil__glsl_lines_hbil_line_of },
+    { "hbil_shift", "lines", hbil__glsl_lines_hbil_shift },
+    { "hbil_across", "lines", hbil__glsl_lines_hbil_across },
+    { "hbil_pixel", "lines", hbil__glsl_lines_hbil_pixel },
+    { "hbil_vertex", "lines", hbil__glsl_lines_hbil_vertex },
+    { "hbil_code", "lines", hbil__glsl_lines_hbil_code },
+    { "hbil_back", "lines", hbil__glsl_lines_hbil_back },
+    { "hbil_rise_in", "lines", hbil__glsl_lines_hbil_rise_in },
+    { "hbil_steeper", "lines", hbil__glsl_lines_hbil_steeper },
+    { "hbil_rise", "lines", hbil__glsl_lines_hbil_rise },
+    { "hbil_pack_radiance", "lines", hbil__glsl_lines_hbil_pack_radiance },
+    { "hbil_unpack_radiance", "lines", hbil__glsl_lines_hbil_unpack_radiance },
     { "hbil_hilbert", "slice", hbil__glsl_slice_hbil_hilbert },
     { "hbil_gradient", "slice", hbil__glsl_slice_hbil_gradient },
     { "hbil_noise", "slice", hbil__glsl_slice_hbil_noise },
@@ -2580,6 +3213,8 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_surface_depth", "slice", hbil__glsl_slice_hbil_surface_depth },
     { "hbil_side", "slice", hbil__glsl_slice_hbil_side },
     { "hbil_side_of", "slice", hbil__glsl_slice_hbil_side_of },
+    { "hbil_horizon_at", "slice", hbil__glsl_slice_hbil_horizon_at },
+    { "hbil_swept", "slice", hbil__glsl_slice_hbil_swept },
     { "hbil_visit", "slice", hbil__glsl_slice_hbil_visit },
     { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
     { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
@@ -2615,6 +3250,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_add_bits", "bitmask", hbil__glsl_bitmask_hbil_add_bits },
     { "hbil_low_end", "bitmask", hbil__glsl_bitmask_hbil_low_end },
     { "hbil_fill", "bitmask", hbil__glsl_bitmask_hbil_fill },
+    { "hbil_fill_swept", "bitmask", hbil__glsl_bitmask_hbil_fill_swept },
     { "hbil_far_arc", "bitmask", hbil__glsl_bitmask_hbil_far_arc },
     { "hbil_bitmask_slice", "bitmask", hbil__glsl_bitmask_hbil_bitmask_slice },
     { "hbil_attenuation", "hbao", hbil__glsl_hbao_hbil_attenuation },
@@ -2628,12 +3264,28 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_tangent", "prepare", hbil__glsl_prepare_hbil_tangent },
     { "hbil_view_normal", "prepare", hbil__glsl_prepare_hbil_view_normal },
     { "main", "prepare", hbil__glsl_prepare_main },
+    { "HBIL_BACK_LOW", "sweep", hbil__glsl_sweep_HBIL_BACK_LOW },
+    { "HBIL_BACK_HIGH", "sweep", hbil__glsl_sweep_HBIL_BACK_HIGH },
+    { "hbil_lit_step", "sweep", hbil__glsl_sweep_hbil_lit_step },
+    { "hbil_walk", "sweep", hbil__glsl_sweep_hbil_walk },
+    { "main", "sweep", hbil__glsl_sweep_main },
     { "hbil_nothing", "march", hbil__glsl_march_hbil_nothing },
+    { "hbil_add_sums", "march", hbil__glsl_march_hbil_add_sums },
+    { "hbil_march_swept", "march", hbil__glsl_march_hbil_march_swept },
     { "hbil_march", "march", hbil__glsl_march_hbil_march },
+    { "hbil_mean", "march", hbil__glsl_march_hbil_mean },
+    { "hbil_store_ao", "march", hbil__glsl_march_hbil_store_ao },
+    { "hbil_store_near", "march", hbil__glsl_march_hbil_store_near },
+    { "hbil_store_bent", "march", hbil__glsl_march_hbil_store_bent },
     { "hbil_store_sh", "march", hbil__glsl_march_hbil_store_sh },
     { "hbil_store", "march", hbil__glsl_march_hbil_store },
     { "hbil_store_sky", "march", hbil__glsl_march_hbil_store_sky },
     { "main", "march", hbil__glsl_march_main },
+    { "HBIL_FILTER_RADIUS", "filter", hbil__glsl_filter_HBIL_FILTER_RADIUS },
+    { "HBIL_FILTER_STEEP", "filter", hbil__glsl_filter_HBIL_FILTER_STEEP },
+    { "HBIL_FILTER_ALIKE", "filter", hbil__glsl_filter_HBIL_FILTER_ALIKE },
+    { "hbil_filter_weight", "filter", hbil__glsl_filter_hbil_filter_weight },
+    { "main", "filter", hbil__glsl_filter_main },
     { "hbil_angle", "light", hbil__glsl_light_hbil_angle },
     { "hbil_caps", "light", hbil__glsl_light_hbil_caps },
     { "hbil_specular_occlusion", "light", hbil__glsl_light_hbil_specular_occlusion },
@@ -3195,7 +3847,7 @@ static int hbil__next_line(hbil__lines *l, const char **line, size_t *len)
 }
 
 /* What the filtered text of a pass refers to: bits by table index. */
-typedef struct hbil__used { uint32_t chunks[8], textures, uniforms, options[2], hook; } hbil__used;
+typedef struct hbil__used { uint32_t chunks[8], textures[2], uniforms, options[2], hook; } hbil__used;
 
 static void hbil__mark(uint32_t *bits, int32_t i) { bits[i >> 5] |= 1u << (i & 31); }
 static int  hbil__marked(const uint32_t *bits, int32_t i) { return (int)(bits[i >> 5] >> (i & 31) & 1); }
@@ -3218,7 +3870,7 @@ static void hbil__scan_word(const hbil_config *c, int32_t pass, const char *s, s
     hbil__sink k;
     if (s[0] == 'u') {
         for (i = 0; i < HBIL__COUNT(hbil__textures); ++i)
-            if (hbil__same(hbil__textures[i].name, s + 2, len - 2)) hbil__mark(&used->textures, i);
+            if (hbil__same(hbil__textures[i].name, s + 2, len - 2)) hbil__mark(used->textures, i);
         return;
     }
     for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
@@ -3291,7 +3943,7 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     t->div = t->mips = t->copies = 1;
     t->dim = hbil__textures[texture].dim;
     if (t->dim == HBIL_DIM_2D_MULTISAMPLE && c->multisample != HBIL_MULTISAMPLE_YES) t->dim = HBIL_DIM_2D;
-    t->layers = t->dim == HBIL_DIM_2D_ARRAY ? 4 : 1;
+    t->layers = hbil__textures[texture].layers ? hbil__textures[texture].layers : (uint16_t)(2 * c->slices);
     return (int32_t)p->texture_count++;
 }
 
@@ -3303,13 +3955,15 @@ static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass
     memcpy(out->name, hbil__passes[pass].name, strlen(hbil__passes[pass].name));
     out->group[0] = hbil__passes[pass].group[0];
     out->group[1] = hbil__passes[pass].group[1];
+    out->grid = hbil__passes[pass].grid;
     out->hook = (uint16_t)used->hook;
     for (i = 0; i < HBIL__COUNT(hbil__binds); ++i) {
         hbil_binding *b = &out->bindings[out->binding_count];
-        if (hbil__binds[i].pass != pass || !hbil__marked(&used->textures, hbil__binds[i].texture) ||
+        if (hbil__binds[i].pass != pass || !hbil__marked(used->textures, hbil__binds[i].texture) ||
             !hbil__holds(c, hbil__binds[i].when)) continue;
         b->texture = (uint16_t)hbil__plan_add_texture(p, c, hbil__binds[i].texture);
         b->access = (uint8_t)hbil__binds[i].access;
+        b->update = (uint8_t)hbil__binds[i].update;
         /* GL has a name space of its own for textures, images and uniform blocks; Vulkan has one, block first */
         b->slot = c->target == HBIL_TARGET_GL ? slots[b->access]++ : (uint16_t)(out->binding_count + 1);
         ++out->binding_count;
@@ -3467,7 +4121,7 @@ static void hbil__emit_header(hbil__sink *s, const hbil_plan *p, int32_t index, 
         hbil__put_int(s, p->constants_size);
         hbil__puts(s, " bytes)\n");
     }
-    hbil__puts(s, "// dispatch : size of u_");
+    hbil__puts(s, pass->grid == HBIL_GRID_LINES ? "// dispatch : longer side x layers of u_" : "// dispatch : size of u_");
     hbil__puts(s, p->textures[pass->domain].name);
     hbil__put_group(s, pass, " / ", " x ", ", rounded up\n\n");
     hbil__put_group(s, pass, "layout(local_size_x = ", ", local_size_y = ", ", local_size_z = 1) in;\n\n");
@@ -3484,7 +4138,7 @@ static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pa
             hbil__puts(s, ", ");
             hbil__puts(s, hbil_format_name((hbil_format)t->format));
         }
-        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? ") uniform writeonly " : ") uniform ");
+        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE && !bind->update ? ") uniform writeonly " : ") uniform ");
         if (t->format == HBIL_FORMAT_R32UI) hbil__puts(s, "u");
         hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? "image" : "sampler");
         hbil__puts(s, hbil__dims[t->dim]);
@@ -3784,6 +4438,7 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
     uint32_t b;
     hbil__json_text(s, "name", pass->name, 1);
     hbil__put_group(s, pass, ", \"group\": [", ", ", "]");
+    hbil__json_text(s, "grid", pass->grid == HBIL_GRID_LINES ? "lines" : "pixels", 0);
     hbil__json_text(s, "domain", p->textures[pass->domain].name, 0);
     hbil__json_int(s, "uniform_block", pass->constants, 0);
     hbil__puts(s, ",\n     \"bindings\": [");
@@ -3795,6 +4450,7 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
         hbil__json_text(s, "access", hbil__access_names[bind->access], 0);
         hbil__json_int(s, "age", bind->age, 0);
         hbil__json_int(s, "mip", bind->mip, 0);
+        hbil__json_int(s, "update", bind->update, 0);
         hbil__puts(s, "}");
     }
     hbil__puts(s, "],\n     \"barriers\": [");
@@ -4213,6 +4869,11 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
+    if (c.sweep_stride > 1 && c.slices % 2) {
+        hbil__say(diags, HBIL_ERROR, hbil_option_find("sweep_stride", 12, NULL), "sweep_stride: half of the slices lie along x, half along y; slices must be even",
+                  c.slices > 1 ? "; set slices=4" : "; set slices=2");
+        result = HBIL_E_CONFIG;
+    }
     if (!hbil__check_dynamic(&c, diags) || !hbil__check_combination(&c, diags)) result = HBIL_E_CONFIG;
     for (i = 0; i < HBIL__COUNT(hbil__options); ++i) /* after the errors: a short list must not lose those */
         if (idle[i]) hbil__say(diags, HBIL_NOTE, i, hbil__options[i].name, idle[i] == 2 ? ": members without effect in this config were cleared" :
@@ -4332,6 +4993,11 @@ hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *frame, hbil
     for (i = 0; i < plan->pass_count; ++i) {
         const hbil_pass *pass = &plan->passes[i];
         if (hbil_plan_extent(plan, pass->domain, w, h, wh) != HBIL_OK) return HBIL_E_ARG;
+        if (pass->grid == HBIL_GRID_LINES) {
+            uint32_t stride = (uint32_t)plan->config.sweep_stride, lines = wh[0] > wh[1] ? wh[0] : wh[1];
+            wh[0] = (lines + stride - 1) / stride * stride;
+            wh[1] = plan->textures[pass->domain].layers;
+        }
         out[i].groups[0] = (wh[0] + pass->group[0] - 1) / pass->group[0];
         out[i].groups[1] = (wh[1] + pass->group[1] - 1) / pass->group[1];
         out[i].groups[2] = 1;
@@ -4409,7 +5075,7 @@ hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame *frame, 
 typedef char hbil__static_assert_plan[sizeof(hbil_plan) <= 8192 ? 1 : -1];
 typedef char hbil__static_assert_options[HBIL__COUNT(hbil__options) <= 64 ? 1 : -1];
 typedef char hbil__static_assert_chunk_bits[HBIL__COUNT(hbil__chunks) <= 256 ? 1 : -1];
-typedef char hbil__static_assert_tables[HBIL__COUNT(hbil__textures) <= HBIL_MAX_TEXTURES &&
+typedef char hbil__static_assert_tables[HBIL__COUNT(hbil__textures) <= 64 &&
                                         HBIL__COUNT(hbil__passes) <= HBIL_MAX_PASSES &&
                                         HBIL__COUNT(hbil__uniforms) <= 32 &&
                                         HBIL__COUNT(hbil__array_ends) == HBIL__COUNT(hbil__types) ? 1 : -1];

@@ -160,6 +160,11 @@ static void hbil_null__check_grid(hbil_null__walk *w, int pass, const hbil_dispa
     const hbil_pass *a = &w->plan->passes[pass];
     uint32_t wh[2], k;
     if (hbil_plan_extent(w->plan, a->domain, width, height, wh) != HBIL_OK) return; /* reported by hbil_null_check */
+    if (a->grid == HBIL_GRID_LINES) { /* a stride's last lines may begin outside */
+        uint32_t stride = (uint32_t)w->plan->config.sweep_stride;
+        wh[0] = ((wh[0] > wh[1] ? wh[0] : wh[1]) + stride - 1) / stride * stride;
+        wh[1] = w->plan->textures[a->domain].layers;
+    }
     for (k = 0; k < 2; ++k) {
         if (grid->groups[k] * a->group[k] < wh[k]) hbil_null__fault(w, pass, a->domain, "grid does not cover the domain");
         if (grid->groups[k] == 0 || (grid->groups[k] - 1) * a->group[k] >= wh[k])

@@ -18,6 +18,7 @@ static const char *const matrix_contexts[] = { "", "reach=2", "depth=device", "p
     "outputs=far environment=sh estimator=bitmask far_visibility=free_bits", "outputs=far environment=cube far_visibility=ao",
     "outputs=cone", "outputs=ao+multi_bounce", "outputs=specular_occlusion", "outputs=specular_occlusion roughness=0.3",
     "outputs=ao estimator=hbao reach=2", "outputs=ao estimator=hbao_plus", "occluder=thick estimator=bitmask", "occluder=heuristic",
+    "march=sweep slices=4", "march=sweep slices=4 facing=filter outputs=sh+near", "march=both estimator=bitmask reach=2",
     "multisample=yes", "reach=2 firefly=5 outputs=near+specular_occlusion roughness=0.3" };
 
 /* Legal values of an option as text: choices; members, all, none; ends, default and whole numbers with text of their own. */

@@ -9,7 +9,7 @@ struct runner {
     const runner_ops *ops;
     void             *device;
     runner_info       about;
-    char             *hook;     /* copy of the caller's text */
+    char             *hook, *pass, *text; /* copies of the caller's */
 };
 
 runner *runner_open(const char *backend, int validate, char *error, size_t error_size)
@@ -36,24 +36,56 @@ void runner_close(runner *r)
     if (r == NULL) return;
     r->ops->close(r->device);
     free(r->hook);
+    free(r->pass);
+    free(r->text);
     free(r);
 }
 
 const runner_info *runner_about(const runner *r)    { return &r->about; }
 int                runner_messages(const runner *r) { return r->ops->messages(r->device); }
 
+static int same(const char *a, const char *b)
+{
+    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
+
+/* 0: out of memory. */
+static int copy(char **to, const char *text)
+{
+    *to = NULL;
+    if (text == NULL) return 1;
+    *to = (char *)malloc(strlen(text) + 1);
+    if (*to == NULL) return 0;
+    memcpy(*to, text, strlen(text) + 1);
+    return 1;
+}
+
 int runner_hook(runner *r, const char *text)
 {
-    char *copy = NULL;
-    if (text == NULL ? r->hook == NULL : r->hook != NULL && strcmp(text, r->hook) == 0) return 1;
-    if (text != NULL) {
-        copy = (char *)malloc(strlen(text) + 1);
-        if (copy == NULL) return 0;
-        memcpy(copy, text, strlen(text) + 1);
-    }
-    r->ops->set_hook(r->device, copy); /* the old text is in use until here */
+    char *hook;
+    if (same(text, r->hook)) return 1;
+    if (!copy(&hook, text)) return 0;
+    r->ops->set_hook(r->device, hook); /* the old text is in use until here */
     free(r->hook);
-    r->hook = copy;
+    r->hook = hook;
+    return 1;
+}
+
+int runner_text(runner *r, const char *pass, const char *text)
+{
+    char *new_pass, *new_text;
+    if (text == NULL) pass = NULL;
+    if (same(pass, r->pass) && same(text, r->text)) return 1;
+    if (!copy(&new_pass, pass)) return 0;
+    if (!copy(&new_text, text)) {
+        free(new_pass);
+        return 0;
+    }
+    r->ops->set_text(r->device, new_pass, new_text);
+    free(r->pass);
+    free(r->text);
+    r->pass = new_pass;
+    r->text = new_text;
     return 1;
 }
 

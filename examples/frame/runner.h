@@ -28,6 +28,9 @@ int                runner_messages(const runner *r);
 /* The function of environment=hook, GLSL text as hbil_emit_glsl_hook takes it, for every run from now on; NULL: none. Copied.
  * The text can use what hbil.h passes it and nothing else: the runner binds no resources for it. 1, or 0: out of memory. */
 int                runner_hook(runner *r, const char *text);
+/* GLSL text that takes the place of hbil_emit_glsl's for the pass of that name, in every run from now on; NULL: none. Copied.
+ * One pass at a time. The text keeps to the bindings of the plan. 1, or 0: out of memory. */
+int                runner_text(runner *r, const char *pass, const char *text);
 
 /* Run the plan on one frame. inputs: indexed by plan texture, present for every INPUT. outputs: indexed by plan texture; made
  * here for every OUTPUT (channels as the format has: r32f 1, rgba32f 4; a is kept), freed by the caller.
@@ -35,7 +38,7 @@ int                runner_hook(runner *r, const char *text);
  * image, which becomes sample plan.config.sample of RUNNER_SAMPLES; the others are filled with 7e7, so that a shader which
  * reads a wrong one shows. Outputs: 2D_ARRAY has its layers as slices.
  * repeat >= 1 executions with the same frame; ms (may be NULL) gets repeat * pass_count milliseconds, [run][pass].
- * Pipelines are kept while the plan (memcmp) and the hook stay the same. 1 on success, 0: error[] says why. */
+ * Pipelines are kept while the plan (memcmp), the hook and the text stay the same. 1 on success, 0: error[] says why. */
 int runner_run(runner *r, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size);
 

@@ -89,6 +89,7 @@ typedef struct gl_device {
     GLuint           spread;            /* program that fills multisample textures, made when first needed */
     int              messages;
     const char      *hook;
+    const char      *own_pass, *own_text; /* instead of what hbil.h emits */
     char             scratch[2 * HBIL_GLSL_MAX]; /* room for a hook */
 } gl_device;
 
@@ -472,6 +473,17 @@ static void read_outputs(gl_device *d, const hbil_plan *plan, image *outputs)
         }
 }
 
+/* hbil_gl.h emits by itself, so the program is replaced once it is made. */
+static int set_own_text(gl_device *d, const hbil_plan *plan)
+{
+    const int32_t pass = d->own_text ? hbil_plan_pass(plan, d->own_pass) : -1;
+    if (pass < 0) return 1;
+    d->gl.DeleteProgram(d->backend.program[pass]);
+    if (hbil_gl__compile(&d->backend, (uint32_t)pass, d->own_text) == HBIL_GL_OK) return 1;
+    d->backend.plan.hash = ~plan->hash; /* the next run begins anew */
+    return 0;
+}
+
 static int set_plan(gl_device *d, const hbil_plan *plan)
 {
     hbil_gl_info info = { 0 };
@@ -484,7 +496,7 @@ static int set_plan(gl_device *d, const hbil_plan *plan)
     info.scratch_size = sizeof d->scratch;
     info.hook = d->hook;
     info.timings = 1;
-    return hbil_gl_init(&info, &d->backend) == HBIL_GL_OK;
+    return hbil_gl_init(&info, &d->backend) == HBIL_GL_OK && set_own_text(d, plan);
 }
 
 /* Programs hold the old text: they go. */
@@ -492,6 +504,14 @@ static void gl_set_hook(void *device, const char *text)
 {
     gl_device *d = (gl_device *)device;
     d->hook = text;
+    if (make_current(d)) hbil_gl_shutdown(&d->backend);
+}
+
+static void gl_set_text(void *device, const char *pass, const char *text)
+{
+    gl_device *d = (gl_device *)device;
+    d->own_pass = pass;
+    d->own_text = text;
     if (make_current(d)) hbil_gl_shutdown(&d->backend);
 }
 
@@ -528,4 +548,4 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     return 1;
 }
 
-const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_run };
+const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_set_text, gl_run };

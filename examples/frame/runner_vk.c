@@ -65,6 +65,7 @@ typedef struct vk_device {
 
     int                              compiler, messages;
     const char                      *hook;
+    const char                      *own_pass, *own_text; /* instead of what hbil.h emits */
     char                            *error;   /* of the running call */
     size_t                           error_size;
 } vk_device;
@@ -487,11 +488,12 @@ static int compile(vk_device *d, const hbil_plan *plan, char *text, uint32_t *wo
         size_t need = 0;
         ZEROED(hbil_diag, diag);
         hbil_diags diags = { &diag, 1, 0 };
+        const int own = d->own_text != NULL && strcmp(plan->passes[p].name, d->own_pass) == 0;
         const hbil_result emitted = hbil_emit_glsl_hook(plan, (int32_t)p, d->hook, text, CAP_TEXT, NULL, &diags);
         if (emitted != HBIL_OK)
             return FAIL(d, "pass %s: %s", plan->passes[p].name, diags.count > 0 ? diag.text : hbil_result_name(emitted));
-        const hbil_glslang_result result = hbil_glslang_compile(text, (hbil_target)plan->config.target, words + used,
-                                                                cap_words - used, &need, log, sizeof log);
+        const hbil_glslang_result result = hbil_glslang_compile(own ? d->own_text : text, (hbil_target)plan->config.target,
+                                                                words + used, cap_words - used, &need, log, sizeof log);
         if (result == HBIL_GLSLANG_E_SPACE)
             return FAIL(d, "pass %s: more than %u words of SPIR-V", plan->passes[p].name, (unsigned)cap_words);
         if (result != HBIL_GLSLANG_OK) return FAIL(d, "pass %s does not compile: %s", plan->passes[p].name, log);
@@ -777,6 +779,14 @@ static void vk_set_hook(void *device, const char *text)
     hbil_vk_shutdown(&d->backend);
 }
 
+static void vk_set_text(void *device, const char *pass, const char *text)
+{
+    vk_device *d = (vk_device *)device;
+    d->own_pass = pass;
+    d->own_text = text;
+    hbil_vk_shutdown(&d->backend);
+}
+
 static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                   image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
@@ -791,4 +801,4 @@ static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     return read_back(d, plan, outputs);
 }
 
-const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_set_hook, vk_run };
+const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_set_hook, vk_set_text, vk_run };

@@ -155,18 +155,8 @@ hbil_span hbil_span_of(hbil_fan f, uint bits) {
 
 //@ chunk hbil_add_bits
 #if HBIL_GATHER
-// Light of the pixel q (seen along the unit vector `along`) through sectors that nothing nearer has filled.
-#if HBIL_FACING_FILTER
-void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, vec3 along, uint bits, inout vec3 accepted,
-        inout hbil_sums sum) {
-    vec3 radiance = hbil_source(q, along, accepted);
-#else
-void hbil_add_bits(hbil_receiver r, hbil_fan f, ivec2 q, uint bits, inout hbil_sums sum) {
-    vec3 radiance = hbil_load_radiance(q);
-#endif
-#if HBIL_FACING_HALF_SPACE
-    bits &= hbil_lit_bits(r, f, hbil_load_normal(q));
-#endif
+// Radiance through sectors that nothing nearer has filled.
+void hbil_add_bits(hbil_receiver r, hbil_fan f, uint bits, vec3 radiance, inout hbil_sums sum) {
 #if HBIL_NEAR_LIGHT
     sum.near += float(bitCount(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;
 #endif
@@ -210,7 +200,7 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
         float inv = inversesqrt(l2);
         float high = clamp(dot(h, r.v) * inv, -1.0, 1.0);
         float low = hbil_low_end(r, s, position);
-#if !HBIL_REACH_0
+#if HBIL_MARCH_SAMPLED && !HBIL_REACH_0
         high = mix(low, high, hbil_fade(l2 * inv));
 #endif
         if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;
@@ -219,15 +209,42 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
         uint bits = hbil_bits(min(a, b), max(a, b));
 #if HBIL_GATHER
         uint fresh = bits & ~hidden;
+        if (fresh != 0u) {
 #if HBIL_FACING_FILTER
-        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), h * inv, fresh, accepted, sum);
+            vec3 radiance = hbil_source(ivec2(at.pixel), h * inv, accepted);
 #else
-        if (fresh != 0u) hbil_add_bits(r, f, ivec2(at.pixel), fresh, sum);
+            vec3 radiance = hbil_load_radiance(ivec2(at.pixel));
 #endif
+#if HBIL_FACING_HALF_SPACE
+            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));
+#endif
+            hbil_add_bits(r, f, fresh, radiance, sum);
+        }
 #endif
         hidden |= bits;
     }
 }
+
+//@ chunk hbil_fill_swept
+#if HBIL_MARCH_BOTH
+// Fill what the sweep hides beyond the samples of one side, as a solid.
+void hbil_fill_swept(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, int layer, inout uint hidden,
+        inout hbil_sums sum) {
+#if HBIL_GATHER
+    vec3 radiance;
+    float c = hbil_swept(r, s, layer, radiance);
+#else
+    float c = hbil_swept(r, s, layer);
+#endif
+    int a = hbil_edge(f, s, is_back, s.c0);
+    int b = hbil_edge(f, s, is_back, c);
+    uint bits = hbil_bits(min(a, b), max(a, b)) & ~hidden;
+#if HBIL_GATHER
+    hbil_add_bits(r, f, bits, radiance, sum);
+#endif
+    hidden |= bits;
+}
+#endif
 
 //@ chunk hbil_far_arc
 #if HBIL_FAR_BITS
@@ -247,13 +264,25 @@ vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {
 
 //@ chunk hbil_bitmask_slice
 // Add the slice with tangent D and screen direction d.
+#if HBIL_MARCH_BOTH
+void hbil_bitmask_slice(hbil_receiver r, vec3 slice, hbil_line line, int i, vec2 jitter, inout hbil_sums sum) {
+    hbil_side front = hbil_side_of(r, slice, line.d, jitter.x, 1.0);
+    hbil_side back = hbil_side_of(r, slice, line.d, jitter.x, -1.0);
+    front.line = line;
+    back.line = line;
+#else
 void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout hbil_sums sum) {
     hbil_side front = hbil_side_of(r, slice, d, jitter.x, 1.0);
     hbil_side back = hbil_side_of(r, slice, d, jitter.x, -1.0);
+#endif
     hbil_fan f = hbil_fan_of(r, front, back, jitter.y);
     uint hidden = 0u;
     hbil_fill(r, f, front, false, hidden, sum);
     hbil_fill(r, f, back, true, hidden, sum);
+#if HBIL_MARCH_BOTH
+    hbil_fill_swept(r, f, front, false, 2 * i, hidden, sum);
+    hbil_fill_swept(r, f, back, true, 2 * i + 1, hidden, sum);
+#endif
 #if HBIL_SUMS || HBIL_FAR_BITS
     float full = f.light_front + f.light_back;
 #endif

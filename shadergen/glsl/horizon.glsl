@@ -5,8 +5,8 @@
 #if HBIL_GATHER
 // Light of a side. Its weight is the dot product of (nx, ny) with its moments, so one set of arcs gives both.
 struct hbil_light {
-#if HBIL_OCCLUDER_HEURISTIC
-    vec3 mean; // radiance of what stands in front, so that a sinking horizon takes its share of all
+#if HBIL_MEAN_LIGHT
+    vec3 mean; // radiance of what stands in front, of which a horizon takes its share
 #else
 #if HBIL_NEAR_LIGHT
     vec3 near;
@@ -27,7 +27,7 @@ struct hbil_light {
 #if HBIL_GATHER
 hbil_light hbil_dark() {
     hbil_light light;
-#if HBIL_OCCLUDER_HEURISTIC
+#if HBIL_MEAN_LIGHT
     light.mean = vec3(0.0);
 #else
 #if HBIL_NEAR_LIGHT
@@ -220,7 +220,7 @@ vec2 hbil_bent(float nx, float ny, float cf, float cb) {
 #if HBIL_GATHER
 // The light of a side into the sums; c: its horizon.
 void hbil_add_light(hbil_receiver r, hbil_side s, hbil_light light, float c, inout hbil_sums sum) {
-#if HBIL_OCCLUDER_HEURISTIC
+#if HBIL_MEAN_LIGHT
 #if HBIL_NEAR_LIGHT
     sum.near += light.mean * hbil_weight(s.nx, r.ny, s.c0, c);
 #endif
@@ -244,11 +244,29 @@ void hbil_add_light(hbil_receiver r, hbil_side s, hbil_light light, float c, ino
 
 //@ chunk hbil_horizon_slice
 // Add the slice with tangent D and screen direction d.
+#if HBIL_MARCH_SWEEP
+void hbil_horizon_slice(hbil_receiver r, vec3 slice, hbil_line line, int i, inout hbil_sums sum) {
+    hbil_side front = hbil_side_of(r, slice, line);
+    hbil_side back = front;
+    back.tangent = -front.tangent;
+    back.nx = -front.nx;
+    back.c0 = -front.c0;
+#else
 void hbil_horizon_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout hbil_sums sum) {
     hbil_side front = hbil_side_of(r, slice, d, jitter, 1.0);
     hbil_side back = hbil_side_of(r, slice, d, jitter, -1.0);
+#endif
     float nx = front.nx;
-#if HBIL_GATHER
+#if HBIL_MARCH_SWEEP && HBIL_GATHER
+    hbil_light light;
+    float cf = hbil_swept(r, front, 2 * i, light.mean);
+    hbil_add_light(r, front, light, cf, sum);
+    float cb = hbil_swept(r, back, 2 * i + 1, light.mean);
+    hbil_add_light(r, back, light, cb, sum);
+#elif HBIL_MARCH_SWEEP
+    float cf = hbil_swept(r, front, 2 * i);
+    float cb = hbil_swept(r, back, 2 * i + 1);
+#elif HBIL_GATHER
     hbil_light light = hbil_dark();
     float cf = hbil_horizon(r, front, light);
     hbil_add_light(r, front, light, cf, sum);

@@ -131,5 +131,8 @@ void main() {
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     float z = hbil_view_depth(p);
     imageStore(u_view_depth, p, vec4(z));
+#if HBIL_PACKED
+    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_load_radiance(p))));
+#endif
     imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));
 }

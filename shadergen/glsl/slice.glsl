@@ -152,9 +152,14 @@ float hbil_surface_depth(vec2 pixel) {
 // One side of a slice.
 struct hbil_side {
     vec3 tangent;   // D, or -D for the back
+#if HBIL_SWEPT
+    hbil_line line;
+#endif
+#if HBIL_SAMPLED
     vec2 d;         // its direction on the screen, unit
     float reach_px; // pixels to search
     float jitter;
+#endif
 #if !HBIL_ESTIMATOR_HBAO_PLUS
     float nx;       // normal along the tangent
     float c0;       // horizon of the tangent plane, where the search starts
@@ -162,6 +167,12 @@ struct hbil_side {
 };
 
 //@ chunk hbil_side_of
+#if HBIL_MARCH_SWEEP
+hbil_side hbil_side_of(hbil_receiver r, vec3 slice, hbil_line line) {
+    hbil_side s;
+    s.tangent = slice;
+    s.line = line;
+#else
 // back: -1 for the side of -D, 1 for the other one.
 hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float back) {
     hbil_side s;
@@ -172,12 +183,95 @@ hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float 
     s.reach_px = min(s.reach_px, hbil_reach(r.position, r.v, s.tangent));
 #endif
     s.jitter = jitter;
+#endif
 #if !HBIL_ESTIMATOR_HBAO_PLUS
     s.nx = dot(r.n, s.tangent);
     s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);
 #endif
     return s;
 }
+
+//@ chunk hbil_horizon_at
+#if HBIL_SWEPT
+// Horizon that pixel q makes on a side.
+float hbil_horizon_at(hbil_receiver r, hbil_side s, ivec2 q) {
+    vec3 h = hbil_position(vec2(q) + 0.5, hbil_load_depth(q)) - r.position;
+    float inv = inversesqrt(max(dot(h, h), 1e-30));
+    float c = clamp(dot(h, r.v) * inv, -1.0, 1.0);
+    return c > s.c0 && dot(r.n, h) * inv > HBIL_BIAS ? c : s.c0;
+}
+#endif
+
+//@ chunk hbil_swept
+#if HBIL_MARCH_SWEEP
+// Horizon that the sweep found on a side: layer 0 or 1 of its slice. One depth to load, and the mean radiance of what
+// it hides.
+#if HBIL_GATHER
+float hbil_swept(hbil_receiver r, hbil_side s, int layer, out vec3 radiance) {
+    radiance = hbil_unpack_radiance(texelFetch(u_swept_light, ivec3(r.pixel, layer), 0).r);
+#else
+float hbil_swept(hbil_receiver r, hbil_side s, int layer) {
+#endif
+    int back = hbil_back(texelFetch(u_swept, ivec3(r.pixel, layer), 0).r);
+    ivec2 from = hbil_across(s.line, r.pixel);
+    int to = layer % 2 == 0 ? from.x + back : from.x - back;
+    return back > 0 ? hbil_horizon_at(r, s, hbil_pixel(s.line, from.y - hbil_shift(s.line, from.x), to)) : s.c0;
+}
+#elif HBIL_MARCH_BOTH
+// Horizon of all beyond the samples on a side: the hull of the pixel where they end, as seen from the receiver. Layer
+// 0 or 1 of its slice.
+#if HBIL_GATHER
+float hbil_swept(hbil_receiver r, hbil_side s, int layer, out vec3 radiance) {
+    radiance = vec3(0.0);
+#else
+float hbil_swept(hbil_receiver r, hbil_side s, int layer) {
+#endif
+    ivec2 from = hbil_across(s.line, r.pixel);
+    int start = from.y - hbil_shift(s.line, from.x);
+    int way = layer % 2 == 0 ? 1 : -1;
+    hbil_vertex at;
+    at.nearness = hbil_nearness(r.position.z);
+    at.step = from.x;
+    hbil_vertex v;
+    v.step = from.x + way * (1 + int(s.reach_px * max(abs(s.line.d.x), abs(s.line.d.y))));
+    ivec2 q = hbil_pixel(s.line, start, v.step);
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return s.c0;
+    uint code = texelFetch(u_swept, ivec3(q, layer), 0).r;
+    float z = hbil_load_depth(q);
+    if (z >= HBIL_SKY) { // on to the next surface
+        v.step += way * hbil_back(code);
+        q = hbil_pixel(s.line, start, v.step);
+        if (hbil_back(code) == 0) return s.c0;
+        code = texelFetch(u_swept, ivec3(q, layer), 0).r;
+        z = hbil_load_depth(q);
+    }
+    v.nearness = hbil_nearness(z);
+#if HBIL_GATHER
+    at.rise = hbil_rise(s.line, at.nearness, v.nearness);
+    radiance = hbil_unpack_radiance(texelFetch(u_view_radiance, q, 0).r);
+    at.light = at.rise * radiance;
+#endif
+    while (hbil_back(code) != 0) {
+        int outward = v.step + way * hbil_back(code);
+        ivec2 next = hbil_pixel(s.line, start, outward);
+        float nearness = hbil_nearness(hbil_load_depth(next));
+        if (!hbil_steeper(at, v, outward, nearness)) break;
+#if HBIL_GATHER
+        v.rise = hbil_rise_in(code);
+        at.rise += v.rise;
+        at.light += v.rise * hbil_unpack_radiance(texelFetch(u_swept_light, ivec3(q, layer), 0).r);
+#endif
+        v.nearness = nearness;
+        v.step = outward;
+        q = next;
+        code = texelFetch(u_swept, ivec3(q, layer), 0).r;
+    }
+#if HBIL_GATHER
+    if (at.rise > 0.0) radiance = at.light / at.rise;
+#endif
+    return hbil_horizon_at(r, s, q);
+}
+#endif
 
 //@ chunk hbil_visit
 // Where a side's search is.
@@ -241,6 +335,9 @@ vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {
 //@ chunk hbil_sums
 // Sums over the slices.
 struct hbil_sums {
+#if HBIL_SWEPT
+    float weight;  // azimuth that the slices stand for, up to a factor
+#endif
 #if !HBIL_COSINE
     float hidden; // part that is occluded, as the estimator weighs it
 #endif

@@ -1,15 +1,11 @@
 /* hbil-table - all presets on all captures: errors against the scene and against the height field, samples, milliseconds.
  * Writes Markdown to stdout or between the markers of a page. Not a test: nothing is judged here. */
-#include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #define HBIL_IMPLEMENTATION
+#define BENCH_NAME "hbil-table"
+#include "bench_common.h"
 #include "../../examples/frame/environment.h"
-#include "../../examples/frame/metric.h"
 #include "../../examples/frame/runner.h"
 #include "../captures.h"
 #include "../numeric/brute_force.h"
@@ -21,7 +17,6 @@
 #define RAYS       1024  /* a pixel of the height field's far light: standard error about .003 */
 #define STRIDE     16    /* between pixels that get rays */
 #define WORSE      1.02  /* times our error is worth a mark */
-#define PAGE_MAX   (1u << 20)
 
 static const char mark_begin[] = "<!-- table: written by make table -->";
 static const char mark_end[] = "<!-- table: end -->";
@@ -44,9 +39,6 @@ static const row seeds[] = {
     {"hbil_screen", "YPipeline", YPIPELINE},
 };
 
-/* Size of the error and its mean, signed. */
-typedef struct value { int known; double error, bias; } value;
-
 enum { SCENE, HEIGHT_FIELD, TRUTHS };
 enum { VULKAN, GL, BACKENDS };
 
@@ -66,59 +58,7 @@ typedef struct job {
     cell           cells[ROWS_MAX][CAPTURES_MAX];
 } job;
 
-static void die(int code, const char *format, ...)
-{
-    va_list args;
-
-    va_start(args, format);
-    fputs("hbil-table: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
-    va_end(args);
-    exit(code);
-}
-
 /* ---------------------------------------------------------------------- errors */
-
-typedef struct sums { double count, difference, absolute, square, truth; } sums;
-
-static void add(sums *s, double ours, double truth)
-{
-    const double d = ours - truth;
-
-    s->count += 1.0;
-    s->difference += d;
-    s->absolute += fabs(d);
-    s->square += d * d;
-    s->truth += truth;
-}
-
-/* relative: mean |difference| and mean difference as parts of the mean truth; else root of the mean square, and mean. */
-static value result(const sums *s, int relative)
-{
-    value v = {0, 0.0, 0.0};
-
-    if (s->count == 0.0 || (relative && s->truth <= 0.0)) return v;
-    v.known = 1;
-    v.error = relative ? s->absolute / s->truth : sqrt(s->square / s->count);
-    v.bias = s->difference / (relative ? s->truth : s->count);
-    return v;
-}
-
-/* Over the pixels of `where`; NULL: those with a truth. out may have more channels than truth. */
-static value compare(const image *out, const image *truth, const image *where, const capture *cap, int relative)
-{
-    sums s = {0.0, 0.0, 0.0, 0.0, 0.0};
-    int  i, c;
-
-    if (!out || !truth->data || (where && !where->data)) return result(&s, 0);
-    for (i = 0; i < cap->width * cap->height; ++i) {
-        if (where ? !(where->data[i] > 0.5f) : !metric_counts(cap, (size_t)i)) continue;
-        for (c = 0; c < truth->channels; ++c)
-            add(&s, (double)out->data[out->channels * i + c], (double)truth->data[truth->channels * i + c]);
-    }
-    return result(&s, relative);
-}
 
 static value compare_rays(const image *far, const bf_pixel *rays, bf_grid grid)
 {
@@ -188,13 +128,6 @@ static void make_plan(const row *r, const capture *cap, int backend, hbil_plan *
         die(1, "preset %s, %s: %s", r->preset, text, diags.count ? items[0].text : "?");
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* Sum of the passes of each of `runs` runs; the median. */
 static double milliseconds(const double *ms, int runs, int passes)
 {
@@ -205,13 +138,6 @@ static double milliseconds(const double *ms, int runs, int passes)
         for (k = 0, sum[i] = 0.0; k < passes; ++k) sum[i] += ms[i * passes + k];
     qsort(sum, (size_t)runs, sizeof *sum, by_size);
     return sum[runs / 2];
-}
-
-static void free_all(image images[HBIL_MAX_TEXTURES])
-{
-    int i;
-
-    for (i = 0; i < HBIL_MAX_TEXTURES; ++i) image_free(&images[i]);
 }
 
 /* Runs the plan, leaves the outputs of the last run. The time in ms. */
@@ -228,19 +154,12 @@ static double run_plan(const job *j, const capture *cap, int backend, const hbil
         || !runner_run(j->runners[backend], plan, &frame, in, out, 1, ms, error, sizeof error)) die(5, "%s", error);
     first = milliseconds(ms, 1, passes);
     if (first < LONG_RUN) {
-        free_all(out);
+        free_images(out);
         if (!runner_run(j->runners[backend], plan, &frame, in, out, RUNS, ms, error, sizeof error)) die(5, "%s", error);
         first = milliseconds(ms, RUNS, passes);
     }
-    free_all(in);
+    free_images(in);
     return first;
-}
-
-static const image *output(const hbil_plan *plan, const image out[HBIL_MAX_TEXTURES], const char *name)
-{
-    const int32_t i = hbil_plan_texture(plan, name);
-
-    return i >= 0 && out[i].data ? &out[i] : NULL;
 }
 
 static void measure(const hbil_plan *plan, const image *out, const capture *cap, const bf_pixel *rays, bf_grid grid,
@@ -279,7 +198,7 @@ static void run_capture(job *j, int index)
             make_plan(&j->rows[i], &cap, b, &plan);
             j->cells[i][index].ms[b] = run_plan(j, &cap, b, &plan, out);
             if (!measured++) measure(&plan, out, &cap, rays, grid, &j->cells[i][index]);
-            free_all(out);
+            free_images(out);
             fprintf(stderr, "%s, %s%s%s, %s: %.1f ms\n", name, j->rows[i].preset, j->rows[i].seed ? " as " : "",
                     j->rows[i].seed ? j->rows[i].seed : "", b == GL ? "gl" : "vulkan", j->cells[i][index].ms[b]);
         }
@@ -289,20 +208,6 @@ static void run_capture(job *j, int index)
 }
 
 /* ---------------------------------------------------------------------- the page */
-
-typedef struct page { char *text; size_t size; } page;
-
-static void put(page *p, const char *format, ...)
-{
-    va_list args;
-    int     n;
-
-    va_start(args, format);
-    n = vsnprintf(p->text + p->size, PAGE_MAX - p->size, format, args);
-    va_end(args);
-    if (n < 0 || (size_t)n >= PAGE_MAX - p->size) die(5, "the table is longer than %u bytes", PAGE_MAX);
-    p->size += (size_t)n;
-}
 
 /* Bold where the error is that of a seed and larger than ours. */
 static void put_value(page *p, value v, value ours, int percent)
@@ -332,21 +237,6 @@ static void put_cell(page *p, const cell *c, const cell *ours)
     put_ms(p, c->ms[VULKAN]);
     put_ms(p, c->ms[GL]);
     put(p, "\n");
-}
-
-static void add_value(value *sum, value v)
-{
-    if (!v.known) return;
-    sum->known++;
-    sum->error += v.error;
-    sum->bias += v.bias;
-}
-
-static void divide(value *sum)
-{
-    if (!sum->known) return;
-    sum->error /= sum->known;
-    sum->bias /= sum->known;
 }
 
 /* Over the captures that have each truth. */
@@ -452,23 +342,6 @@ static void write_table(page *p, const job *j)
     put(p, "\n</details>\n");
 }
 
-/* Puts the table between the markers of the file; the rest of it stays. */
-static void replace(const char *path, const char *table)
-{
-    char        error[512] = "";
-    char       *old = text_read(path, PAGE_MAX / 2, "a page with a table", error, sizeof error);
-    const char *begin = old ? strstr(old, mark_begin) : NULL, *end = begin ? strstr(begin, mark_end) : NULL;
-    page        p = {malloc(PAGE_MAX), 0};
-
-    if (!old) die(3, "%s", error);
-    if (!end) die(3, "%s: no line %s and, below it, %s", path, mark_begin, mark_end);
-    if (!p.text) die(5, "out of memory");
-    put(&p, "%.*s%s\n\n%s\n%s", (int)(begin - old), old, mark_begin, table, end);
-    if (!text_write(path, p.text, error, sizeof error)) die(3, "%s", error);
-    free(p.text);
-    free(old);
-}
-
 /* ---------------------------------------------------------------------- command line */
 
 static void usage(int code)
@@ -551,7 +424,7 @@ int main(int argc, char **argv)
         }
     for (i = 0; i < j.captures.count; ++i) run_capture(&j, i);
     write_table(&p, &j);
-    if (j.out) replace(j.out, p.text);
+    if (j.out) replace(j.out, mark_begin, mark_end, p.text);
     else fputs(p.text, stdout);
     for (b = 0; b < BACKENDS; ++b) runner_close(j.runners[b]);
     environment_free(&j.sky);
