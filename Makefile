@@ -10,7 +10,7 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo test embed bench table clean
+.PHONY: help demo test embed bench table marches clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -18,6 +18,7 @@ help:
 	@echo 'make embed   write options.def, passes.def and glsl/ of shadergen/ into hbil.h and README.md'
 	@echo 'make bench   how long plans, texts, SPIR-V and compiling the header take, and how large they are'
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
+	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -70,6 +71,13 @@ table:
 	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
 	$(COMPILE) --target hbil-table
 	@$(BUILD)/bin/hbil-table "$$HBIL_CAPTURES" --out README.md
+
+marches:
+	@test -n "$$HBIL_CAPTURES" || { echo 'make marches: set HBIL_CAPTURES to the folder of the captures'; exit 2; }
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-marches
+	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-marches --out README.md
 
 clean:
 	rm -rf $(BUILD) build-debug build-sanitize out/demo

@@ -96,12 +96,20 @@
  * ======================================================================================================================
  * >>methods    which options make which method of the field; presets of the same names carry the articles' values
  *
+ *   ours          march=sweep sweep_stride filter: the whole screen, see below. march=both estimator=bitmask occluder=thick
+ *                 reach: thickness nearby, the sweep beyond.
  *   HBAO, HBAO+   estimator=hbao or hbao_plus, reach, attenuation, angle_bias.
  *   GTAO          estimator=horizon occluder=heuristic reach falloff; outputs multi_bounce and specular_occlusion.
  *   HBIL          estimator=horizon; near, cone; facing, f0; environment=sh far_visibility=cone.
  *   bitmask       estimator=bitmask occluder=thick thickness; facing=half_space; far_visibility=free_bits.
  *   The arithmetic is right in all of them: slices uniform around the local view vector, projected normals not normalised, exact
  *   sectors. seed_compat brings back what the articles did instead, to see the difference.
+ *   Two marches. sampled takes slices * steps * 2 depths per pixel, and misses what lies between them; mips=spread makes them coarser
+ *   with their distance, interleave=yes turns waves the same way: half the time, less error. sweep walks along every line of the
+ *   screen, both ways, and keeps the hull of what it passed: each pixel gets its exact horizon over the whole screen for one
+ *   depth load and about two hull steps a side, and the mean radiance of what stands below it. Solid height field only: no reach, falloff,
+ *   thickness. Its directions are the same everywhere; sweep_stride=3 gives the pixels of each 3x3 block others, which filter=3x3 gathers.
+ *   The sweep's walks are serial: a GPU has (width + height) * slices * 2 of them in flight, and two r32ui layers a slice to hold.
  *   Costs: a sample is one depth load; near light adds one of radiance per rise (and one normal with facing), sh four accumulators per
  *   channel, bent and sh of a bitmask an inverse per run of sectors, far light of SH nothing but arithmetic in its own pass.
  *
@@ -122,6 +130,7 @@
  *
  *                       vulkan (GLSL 450)        gl (GLSL 430 core)
  *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
+ *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back
  *   storage images      up to 6 in a pass (all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
  *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
  *   real GPU            untested                 untested
@@ -173,6 +182,10 @@ typedef enum hbil_spacing { HBIL_SPACING_POWER = 1, HBIL_SPACING_GEOMETRIC } hbi
 typedef enum hbil_attenuation { HBIL_ATTENUATION_QUADRATIC = 1, HBIL_ATTENUATION_LINEAR } hbil_attenuation;
 typedef enum hbil_occluder { HBIL_OCCLUDER_HEIGHT_FIELD = 1, HBIL_OCCLUDER_THICK, HBIL_OCCLUDER_HEURISTIC } hbil_occluder;
 typedef enum hbil_noise { HBIL_NOISE_NONE = 1, HBIL_NOISE_IGN, HBIL_NOISE_HILBERT_R2 } hbil_noise;
+typedef enum hbil_mips { HBIL_MIPS_NONE = 1, HBIL_MIPS_MEAN, HBIL_MIPS_SPREAD, HBIL_MIPS_WEIGHTED,
+    HBIL_MIPS_NEAREST } hbil_mips;
+typedef enum hbil_interleave { HBIL_INTERLEAVE_NO = 1, HBIL_INTERLEAVE_YES } hbil_interleave;
+typedef enum hbil_gather { HBIL_GATHER_RISE = 1, HBIL_GATHER_PACKED, HBIL_GATHER_SIDE } hbil_gather;
 typedef enum hbil_filter { HBIL_FILTER_NONE = 1, HBIL_FILTER_3X3, HBIL_FILTER_5X5 } hbil_filter;
 typedef enum hbil_facing { HBIL_FACING_NONE = 1, HBIL_FACING_FILTER, HBIL_FACING_HALF_SPACE } hbil_facing;
 typedef enum hbil_environment { HBIL_ENVIRONMENT_NONE = 1, HBIL_ENVIRONMENT_CONSTANT, HBIL_ENVIRONMENT_SH, HBIL_ENVIRONMENT_CUBE,
@@ -264,7 +277,13 @@ typedef struct hbil_config {
     float pull;
     /* rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2. {none, ign, hilbert_r2}, default hilbert_r2. baked. source: Jimenez 2014, Roberts 2018 */
     int32_t noise;
-    /* mean of ao, near light and bent vector over the neighbours on the same surface: within the plane, alike in normal. {none, 3x3, 5x5}, default none. baked. source: project */
+    /* far samples read coarser depth: not; mean nearness; that plus its standard deviation; mean of the nearest surface; nearest pixel. {none, mean, spread, weighted, nearest}, default none. baked. source: XeGTAO, McGuire 2012 */
+    int32_t mips;
+    /* one noise for each place in blocks of 4x4 pixels, and pixels of equal noise side by side in a wave. {no, yes}, default no. baked. source: Mayaux 2018 sec. 3.3 */
+    int32_t interleave;
+    /* radiance is read at each rise; the same, packed to 32 bits; once per side, where its horizon is, packed. {rise, packed, side}, default rise. baked. source: project */
+    int32_t gather;
+    /* mean of ao, near light and bent vector over the neighbours on the same surface: near the tangent plane. {none, 3x3, 5x5}, default none. baked. source: project */
     int32_t filter;
     /* light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source. {none, filter, half_space}, default none. baked. source: Mayaux 2018 sec. 3.4, GT-VBGI */
     int32_t facing;
@@ -628,9 +647,24 @@ static const hbil_option hbil__options[] = {
       "rotation of the slices and jitter of the steps: none, interleaved gradient, Hilbert curve + R2",
       "Jimenez 2014, Roberts 2018",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, noise), 1, 3, 3 },
+    { "mips", "", "none mean spread weighted nearest",
+      "HBIL_MARCH_SAMPLED && HBIL_SAMPLING_NEAREST",
+      "far samples read coarser depth: not; mean nearness; that plus its standard deviation; mean of the nearest surface; nearest pixel",
+      "XeGTAO, McGuire 2012",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, mips), 1, 5, 1 },
+    { "interleave", "", "no yes",
+      "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE",
+      "one noise for each place in blocks of 4x4 pixels, and pixels of equal noise side by side in a wave",
+      "Mayaux 2018 sec. 3.3",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, interleave), 1, 2, 1 },
+    { "gather", "", "rise packed side",
+      "HBIL_GATHER && HBIL_MARCH_SAMPLED",
+      "radiance is read at each rise; the same, packed to 32 bits; once per side, where its horizon is, packed",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, gather), 1, 3, 1 },
     { "filter", "", "none 3x3 5x5",
       "HBIL_AO || HBIL_NEAR_LIGHT || HBIL_BENT",
-      "mean of ao, near light and bent vector over the neighbours on the same surface: within the plane, alike in normal",
+      "mean of ao, near light and bent vector over the neighbours on the same surface: near the tangent plane",
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, filter), 1, 3, 1 },
     { "facing", "", "none filter half_space",
@@ -766,8 +800,9 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "NEAR_LIGHT", "HBIL_OUTPUTS_NEAR || ((HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && HBIL_COSINE)" }, /* u_near is written */
     { "GATHER", "HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH" }, /* the march reads radiance */
     { "FILTER", "!HBIL_FILTER_NONE" }, /* the march writes raw textures, which the pass filter reads */
-    { "PACKED", "HBIL_GATHER && HBIL_SWEPT" }, /* u_view_radiance is written */
-    { "MEAN_LIGHT", "HBIL_GATHER && (HBIL_MARCH_SWEEP || HBIL_OCCLUDER_HEURISTIC)" }, /* a side has one radiance, the mean of what it sees */
+    { "MIPS", "!HBIL_MIPS_NONE" }, /* the pass mips is there */
+    { "PACKED", "HBIL_GATHER && (HBIL_SWEPT || !HBIL_GATHER_RISE || !HBIL_MIPS_NONE)" }, /* u_view_radiance is written */
+    { "MEAN_LIGHT", "HBIL_GATHER && (HBIL_MARCH_SWEEP || HBIL_GATHER_SIDE || HBIL_OCCLUDER_HEURISTIC)" }, /* a side has one radiance, the mean of what it sees */
     { "FAR_LIGHT", "!HBIL_ENVIRONMENT_NONE" }, /* far light is computed */
     { "FAR_SH", "HBIL_ENVIRONMENT_SH || HBIL_ENVIRONMENT_PROBES" }, /* the environment is spherical harmonics */
     { "BAND_2", "HBIL_FAR_SH && HBIL_SH_ORDER_2 && HBIL_FAR_VISIBILITY_BENT" }, /* band 2 comes in through the cone */
@@ -790,6 +825,10 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "a sweep knows no thickness; the bitmask wants samples nearby", "march=both" },
     { "HBIL_MARCH_BOTH && HBIL_ESTIMATOR_HORIZON",
       "the sweep alone has every horizon; samples nearby give the bitmask its thickness", "estimator=bitmask" },
+    { "HBIL_GATHER_SIDE && !(HBIL_ESTIMATOR_HORIZON && HBIL_OCCLUDER_HEIGHT_FIELD)",
+      "only the horizon of a height field has one place where a side ends", "gather=packed" },
+    { "HBIL_GATHER_SIDE && HBIL_FACING_FILTER",
+      "with one radiance per side there is no last one to stand in", "facing=half_space" },
     { "HBIL_MARCH_BOTH && HBIL_REACH_0",
       "samples of the whole screen leave nothing to the sweep", "reach=1" },
     { "HBIL_SWEPT && HBIL_OCCLUDER_HEURISTIC",
@@ -830,24 +869,40 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
 };
 static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
-    { 45, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
-    { 45, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
-    { 45, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
-    { 45, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
-    { 45, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
-    { 45, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
+    { 48, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
+    { 48, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 48, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 48, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 48, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 48, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
-    { "fast", "for weak GPUs; noisy without a filter",
-      "slices=2 steps=4",
+    { "fast", "whole screen at the price of two swept slices; a third of their error, by the filter",
+      "march=sweep slices=2 sweep_stride=3 filter=3x3",
+      "march=sweep: measured on frames: README, Marches\n"
       "slices=2: project\n"
-      "steps=4: project\n" },
-    { "balanced", "the defaults",
-      "", "" },
-    { "quality", "four times the samples of balanced",
-      "slices=6 steps=12",
-      "slices=6: project\n"
-      "steps=12: project\n" },
+      "sweep_stride=3: project: each direction is in every 3x3 pixels of the filter\n"
+      "filter=3x3: project\n" },
+    { "balanced", "twice the slices of fast: what to begin with",
+      "march=sweep slices=4 sweep_stride=3 filter=3x3",
+      "march=sweep: measured on frames: README, Marches\n"
+      "slices=4: project\n"
+      "sweep_stride=3: project\n"
+      "filter=3x3: project\n" },
+    { "quality", "four times the slices of fast",
+      "march=sweep slices=8 sweep_stride=3 filter=3x3",
+      "march=sweep: measured on frames: README, Marches\n"
+      "slices=8: project\n"
+      "sweep_stride=3: project\n"
+      "filter=3x3: project\n" },
+    { "sampled", "samples only, at their best: to begin with for a short reach or thickness",
+      "march=sampled slices=3 steps=6 mips=spread interleave=yes filter=5x5",
+      "march=sampled: project\n"
+      "slices=3: project\n"
+      "steps=6: project\n"
+      "mips=spread: measured on frames: README, Marches\n"
+      "interleave=yes: measured on frames: README, Marches\n"
+      "filter=5x5: project: over the 4x4 pixels of a block\n" },
     { "reference", "close to the surface's exact light; for comparisons, not for games",
       "slices=64 steps=256 sampling=bilinear",
       "slices=64: project\n"
@@ -992,6 +1047,10 @@ static const struct { const char *name; uint16_t life, format, dim, layers; cons
       "octahedral normal, 2 x snorm16; x right, y up, z into the screen" },
     { "view_radiance", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, "",
       "rgb radiance, finite: 3 x 9 bits with a common exponent of 5" },
+    { "depth_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D_ARRAY, 2, "",
+      "view depth; layer 0 as it is, layer 1 its levels of 2, 4 and 8 pixels side by side" },
+    { "radiance_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 2, "",
+      "view_radiance in the same layers" },
     { "swept", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
       "per side: steps to the pixel of the line that makes the horizon, 0 if there is none; high half: rise of what lies between" },
     { "swept_light", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
@@ -1028,7 +1087,9 @@ static const struct { const char *name; uint16_t life, format, dim, layers; cons
 static const struct { const char *name, *exists; uint16_t grid, domain, group[2]; const char *meaning; } hbil__passes[] = {
     { "prepare", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
       "depth of any convention to metres, normals to view space, sky classified on the raw value" },
-    { "sweep", "HBIL_SWEPT", HBIL_GRID_LINES, 12, { 32, 1 },
+    { "mips", "HBIL_MIPS", HBIL_GRID_PIXELS, 9, { 8, 8 },
+      "three coarser levels of depth, and of radiance, at once" },
+    { "sweep", "HBIL_SWEPT", HBIL_GRID_LINES, 14, { 32, 1 },
       "horizons of the whole screen: one walk along every line of every direction, both ways, keeps the hull of what it passed" },
     { "march", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
       "what each slice sees: visibility, near light and bent vector from the same samples" },
@@ -1044,55 +1105,61 @@ static const struct { uint16_t pass, texture, access, update; const char *when; 
     { 0, 9, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_depth */
     { 0, 10, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_normal */
     { 0, 11, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_radiance */
-    { 1, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_depth */
-    { 1, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_normal */
-    { 1, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_radiance */
-    { 1, 12, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept */
-    { 1, 13, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept_light */
-    { 2, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_depth */
-    { 2, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_normal */
-    { 2, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance */
-    { 2, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_radiance */
-    { 2, 12, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept */
-    { 2, 13, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept_light */
-    { 2, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* march f0 */
-    { 2, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* march sky */
-    { 2, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* march probes */
-    { 2, 14, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_ao */
-    { 2, 15, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_near */
-    { 2, 16, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_bent */
-    { 2, 17, HBIL_ACCESS_WRITE, 0, "" }, /* march ao */
-    { 2, 18, HBIL_ACCESS_WRITE, 0, "" }, /* march uniform_ao */
-    { 2, 19, HBIL_ACCESS_WRITE, 0, "" }, /* march bent */
-    { 2, 21, HBIL_ACCESS_WRITE, 0, "" }, /* march near */
-    { 2, 22, HBIL_ACCESS_WRITE, 0, "" }, /* march sh */
-    { 2, 23, HBIL_ACCESS_WRITE, 0, "HBIL_FAR_BITS" }, /* march far */
-    { 3, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_depth */
-    { 3, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_normal */
-    { 3, 14, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_ao */
-    { 3, 15, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_near */
-    { 3, 16, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_bent */
-    { 3, 17, HBIL_ACCESS_WRITE, 0, "" }, /* filter ao */
-    { 3, 21, HBIL_ACCESS_WRITE, 0, "" }, /* filter near */
-    { 3, 19, HBIL_ACCESS_WRITE, 0, "" }, /* filter bent */
-    { 4, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_depth */
-    { 4, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_normal */
-    { 4, 17, HBIL_ACCESS_SAMPLE, 0, "" }, /* light ao */
-    { 4, 19, HBIL_ACCESS_SAMPLE, 0, "" }, /* light bent */
-    { 4, 21, HBIL_ACCESS_SAMPLE, 0, "" }, /* light near */
-    { 4, 23, HBIL_ACCESS_SAMPLE, 0, "HBIL_FAR_BITS" }, /* light far */
-    { 4, 3, HBIL_ACCESS_SAMPLE, 0, "" }, /* light direct */
-    { 4, 4, HBIL_ACCESS_SAMPLE, 0, "" }, /* light albedo */
-    { 4, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* light f0 */
-    { 4, 6, HBIL_ACCESS_SAMPLE, 0, "" }, /* light roughness */
-    { 4, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* light sky */
-    { 4, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* light probes */
-    { 4, 20, HBIL_ACCESS_WRITE, 0, "" }, /* light cone */
-    { 4, 23, HBIL_ACCESS_WRITE, 0, "!HBIL_FAR_BITS" }, /* light far */
-    { 4, 24, HBIL_ACCESS_WRITE, 0, "" }, /* light irradiance */
-    { 4, 25, HBIL_ACCESS_WRITE, 0, "" }, /* light specular_occlusion */
-    { 4, 26, HBIL_ACCESS_WRITE, 0, "" }, /* light multi_bounce */
-    { 4, 27, HBIL_ACCESS_WRITE, 0, "" }, /* light composite */
+    { 1, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* mips view_depth */
+    { 1, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* mips view_radiance */
+    { 1, 12, HBIL_ACCESS_WRITE, 0, "" }, /* mips depth_mips */
+    { 1, 13, HBIL_ACCESS_WRITE, 0, "" }, /* mips radiance_mips */
+    { 2, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_depth */
+    { 2, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_normal */
+    { 2, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_radiance */
+    { 2, 14, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept */
+    { 2, 15, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept_light */
+    { 3, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_depth */
+    { 3, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_normal */
+    { 3, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance */
+    { 3, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_radiance */
+    { 3, 12, HBIL_ACCESS_SAMPLE, 0, "" }, /* march depth_mips */
+    { 3, 13, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance_mips */
+    { 3, 14, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept */
+    { 3, 15, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept_light */
+    { 3, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* march f0 */
+    { 3, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* march sky */
+    { 3, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* march probes */
+    { 3, 16, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_ao */
+    { 3, 17, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_near */
+    { 3, 18, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_bent */
+    { 3, 19, HBIL_ACCESS_WRITE, 0, "" }, /* march ao */
+    { 3, 20, HBIL_ACCESS_WRITE, 0, "" }, /* march uniform_ao */
+    { 3, 21, HBIL_ACCESS_WRITE, 0, "" }, /* march bent */
+    { 3, 23, HBIL_ACCESS_WRITE, 0, "" }, /* march near */
+    { 3, 24, HBIL_ACCESS_WRITE, 0, "" }, /* march sh */
+    { 3, 25, HBIL_ACCESS_WRITE, 0, "HBIL_FAR_BITS" }, /* march far */
+    { 4, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_depth */
+    { 4, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_normal */
+    { 4, 16, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_ao */
+    { 4, 17, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_near */
+    { 4, 18, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_bent */
+    { 4, 19, HBIL_ACCESS_WRITE, 0, "" }, /* filter ao */
+    { 4, 23, HBIL_ACCESS_WRITE, 0, "" }, /* filter near */
+    { 4, 21, HBIL_ACCESS_WRITE, 0, "" }, /* filter bent */
+    { 5, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_depth */
+    { 5, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_normal */
+    { 5, 19, HBIL_ACCESS_SAMPLE, 0, "" }, /* light ao */
+    { 5, 21, HBIL_ACCESS_SAMPLE, 0, "" }, /* light bent */
+    { 5, 23, HBIL_ACCESS_SAMPLE, 0, "" }, /* light near */
+    { 5, 25, HBIL_ACCESS_SAMPLE, 0, "HBIL_FAR_BITS" }, /* light far */
+    { 5, 3, HBIL_ACCESS_SAMPLE, 0, "" }, /* light direct */
+    { 5, 4, HBIL_ACCESS_SAMPLE, 0, "" }, /* light albedo */
+    { 5, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* light f0 */
+    { 5, 6, HBIL_ACCESS_SAMPLE, 0, "" }, /* light roughness */
+    { 5, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* light sky */
+    { 5, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* light probes */
+    { 5, 22, HBIL_ACCESS_WRITE, 0, "" }, /* light cone */
+    { 5, 25, HBIL_ACCESS_WRITE, 0, "!HBIL_FAR_BITS" }, /* light far */
+    { 5, 26, HBIL_ACCESS_WRITE, 0, "" }, /* light irradiance */
+    { 5, 27, HBIL_ACCESS_WRITE, 0, "" }, /* light specular_occlusion */
+    { 5, 28, HBIL_ACCESS_WRITE, 0, "" }, /* light multi_bounce */
+    { 5, 29, HBIL_ACCESS_WRITE, 0, "" }, /* light composite */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -1457,6 +1524,19 @@ static const char hbil__glsl_lines_hbil_unpack_radiance[] =
 "    uvec3 m = (uvec3(code) >> uvec3(0u, 9u, 18u)) & 511u;\n"
 "    return vec3(m) * uintBitsToFloat(((code >> 27) + 103u) << 23);\n"
 "}\n";
+static const char hbil__glsl_levels_HBIL_LEVELS[] =
+"const int HBIL_LEVELS = 3; // coarser levels, of 2, 4 and 8 pixels\n";
+static const char hbil__glsl_levels_hbil_level_at[] =
+"// Texel q of a level. Screens below 16 pixels have level 0 only.\n"
+"ivec3 hbil_level_at(ivec2 q, int level) {\n"
+"    ivec2 corner = ivec2(level > 1 ? (HBIL_SIZE.x + 1) / 2 : 0, level > 2 ? (HBIL_SIZE.y + 3) / 4 : 0);\n"
+"    return ivec3(q + corner, min(level, 1));\n"
+"}\n";
+static const char hbil__glsl_levels_hbil_levels[] =
+"// Levels that the screen has.\n"
+"int hbil_levels() {\n"
+"    return min(HBIL_SIZE.x, HBIL_SIZE.y) < 16 ? 0 : HBIL_LEVELS;\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_hilbert[] =
 "// Index of a pixel along a Hilbert curve that fills a 64 x 64 tile: neighbours on screen stay close in the sequence.\n"
 "uint hbil_hilbert(uvec2 p) {\n"
@@ -1476,15 +1556,29 @@ static const char hbil__glsl_slice_hbil_gradient[] =
 "float hbil_gradient(vec2 p) {\n"
 "    return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));\n"
 "}\n";
+static const char hbil__glsl_slice_hbil_block[] =
+"// Place of a pixel in its block of 4 x 4, as in a Bayer matrix: neighbours are far apart in the sequence. [0, 15]\n"
+"uint hbil_block(ivec2 p) {\n"
+"    uint x = uint(p.x);\n"
+"    uint y = uint(p.x ^ p.y);\n"
+"    return ((y & 1u) << 3) | ((x & 1u) << 2) | (y & 2u) | ((x & 2u) >> 1);\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_noise[] =
 "// x rotates the slices, y jitters the steps, z the edges of sectors. [0, 1)\n"
 "vec3 hbil_noise(ivec2 p) {\n"
 "#if HBIL_NOISE_HILBERT_R2\n"
 "    // R2 sequence in 32-bit fixed point: exact, the same on every device, for any frame number. Roberts 2018\n"
+"#if HBIL_INTERLEAVE_YES\n"
+"    uint index = hbil_block(p) + 16u * HBIL_FRAME_INDEX;\n"
+"#else\n"
 "    uint index = hbil_hilbert(uvec2(p) & 63u) + 288u * HBIL_FRAME_INDEX;\n"
+"#endif\n"
 "    uvec3 r2 = uvec3(3242174889u, 2447445414u, 2654435769u) * index + 2147483648u;\n"
 "    return vec3(r2 >> 8) / 16777216.0;\n"
 "#elif HBIL_NOISE_IGN\n"
+"#if HBIL_INTERLEAVE_YES\n"
+"    p &= 3;\n"
+"#endif\n"
 "    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);\n"
 "    return vec3(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)), hbil_gradient(q + vec2(31.0, 83.0)));\n"
 "#else\n"
@@ -1716,7 +1810,24 @@ static const char hbil__glsl_slice_hbil_visit[] =
 "    float offset; // pixels from the receiver\n"
 "    vec2 pixel;   // centres at .5\n"
 "    float z;      // depth of the surface there, HBIL_SKY if there is none. m\n"
+"#if HBIL_MIPS\n"
+"    int level;    // that it was read from\n"
+"#endif\n"
 "};\n";
+static const char hbil__glsl_slice_hbil_start[] =
+"// The receiver itself.\n"
+"hbil_visit hbil_start(hbil_receiver r) {\n"
+"    hbil_visit at;\n"
+"    at.offset = 0.0;\n"
+"    at.pixel = vec2(r.pixel) + 0.5;\n"
+"    at.z = HBIL_SKY;\n"
+"#if HBIL_MIPS\n"
+"    at.level = 0;\n"
+"#endif\n"
+"    return at;\n"
+"}\n";
+static const char hbil__glsl_slice_HBIL_FINE[] =
+"const float HBIL_FINE = 4.0; // distance of a sample, in texels, from which on it reads the next coarser level\n";
 static const char hbil__glsl_slice_hbil_go[] =
 "// On to sample i: never the receiver itself, never one place twice. false: the side has ended.\n"
 "bool hbil_go(hbil_receiver r, hbil_side s, int i, inout hbil_visit at) {\n"
@@ -1728,8 +1839,15 @@ static const char hbil__glsl_slice_hbil_go[] =
 "#else\n"
 "    ivec2 q = r.pixel + ivec2(floor(at.offset * s.d + 0.5));\n"
 "    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return false;\n"
+"#if HBIL_MIPS\n"
+"    at.level = clamp(int(log2(at.offset / HBIL_FINE)), 0, hbil_levels());\n"
+"    q >>= at.level;\n"
+"    at.pixel = (vec2(q) + 0.5) * float(1 << at.level);\n"
+"    at.z = texelFetch(u_depth_mips, hbil_level_at(q, at.level), 0).r;\n"
+"#else\n"
 "    at.pixel = vec2(q) + 0.5;\n"
 "    at.z = hbil_load_depth(q);\n"
+"#endif\n"
 "#endif\n"
 "    return true;\n"
 "}\n";
@@ -1748,17 +1866,33 @@ static const char hbil__glsl_slice_hbil_load_radiance[] =
 "#endif\n"
 "    return radiance;\n"
 "}\n";
+static const char hbil__glsl_slice_hbil_radiance_at[] =
+"// Light of the surface that a sample sees.\n"
+"#if HBIL_MIPS\n"
+"vec3 hbil_radiance_at(hbil_visit at) {\n"
+"    ivec2 q = ivec2(at.pixel) >> at.level;\n"
+"    return hbil_unpack_radiance(texelFetch(u_radiance_mips, hbil_level_at(q, at.level), 0).r);\n"
+"}\n"
+"#elif HBIL_PACKED\n"
+"vec3 hbil_radiance_at(hbil_visit at) {\n"
+"    return hbil_unpack_radiance(texelFetch(u_view_radiance, ivec2(at.pixel), 0).r);\n"
+"}\n"
+"#else\n"
+"vec3 hbil_radiance_at(hbil_visit at) {\n"
+"    return hbil_load_radiance(ivec2(at.pixel));\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_slice_HBIL_FILTER_LOW[] =
 "const float HBIL_FILTER_LOW = -0.1; // cosine at a source up to which it faces away; Mayaux 2018 gives no value\n";
 static const char hbil__glsl_slice_HBIL_FILTER_HIGH[] =
 "const float HBIL_FILTER_HIGH = 0.1; // and from which on it faces the receiver\n";
 static const char hbil__glsl_slice_hbil_source[] =
 "#if HBIL_FACING_FILTER\n"
-"// Light of the pixel q, seen along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
+"// Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
 "// not what lights the receiver: the last light that was accepted stands in.\n"
-"vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {\n"
-"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(q), along));\n"
-"    accepted = mix(accepted, hbil_load_radiance(q), t);\n"
+"vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {\n"
+"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));\n"
+"    accepted = mix(accepted, hbil_radiance_at(at), t);\n"
 "    return accepted;\n"
 "}\n"
 "#endif\n";
@@ -1812,6 +1946,9 @@ static const char hbil__glsl_horizon_hbil_light[] =
 "#else\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near;\n"
+"#if !HBIL_FACING_HALF_SPACE\n"
+"    float arc; // hbil_arc of the horizon\n"
+"#endif\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    vec3 sh_0; // integrals of L |sin|, L sin |sin|, L cos |sin| over the angle\n"
@@ -1826,13 +1963,16 @@ static const char hbil__glsl_horizon_hbil_light[] =
 "#endif\n";
 static const char hbil__glsl_horizon_hbil_dark[] =
 "#if HBIL_GATHER\n"
-"hbil_light hbil_dark() {\n"
+"hbil_light hbil_dark(float c0) {\n"
 "    hbil_light light;\n"
 "#if HBIL_MEAN_LIGHT\n"
 "    light.mean = vec3(0.0);\n"
 "#else\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    light.near = vec3(0.0);\n"
+"#if !HBIL_FACING_HALF_SPACE\n"
+"    light.arc = hbil_arc(c0);\n"
+"#endif\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    light.sh_0 = vec3(0.0);\n"
@@ -1866,24 +2006,30 @@ static const char hbil__glsl_horizon_hbil_lit[] =
 "#endif\n";
 static const char hbil__glsl_horizon_hbil_add_arc[] =
 "#if HBIL_GATHER\n"
-"// Add the light of the pixel q, seen along the unit vector `along`, through the arc between the horizons c and higher.\n"
-"void hbil_add_arc(hbil_receiver r, hbil_side s, ivec2 q, vec3 along, float c, float higher, inout hbil_light light) {\n"
+"// Add the light of a sample, seen along the unit vector `along`, through the arc between the horizons c and higher.\n"
+"void hbil_add_arc(hbil_receiver r, hbil_side s, hbil_visit at, vec3 along, float c, float higher,\n"
+"        inout hbil_light light) {\n"
 "#if HBIL_FACING_FILTER\n"
-"    vec3 radiance = hbil_source(q, along, light.accepted);\n"
+"    vec3 radiance = hbil_source(at, along, light.accepted);\n"
 "#else\n"
-"    vec3 radiance = hbil_load_radiance(q);\n"
+"    vec3 radiance = hbil_radiance_at(at);\n"
 "#endif\n"
 "    vec2 arc = vec2(c, higher);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    arc = hbil_lit(r, s, hbil_load_normal(q), arc);\n"
+"    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);\n"
 "#endif\n"
 "#if HBIL_OCCLUDER_HEURISTIC\n"
 "    float before = hbil_weight(s.nx, r.ny, s.c0, c);\n"
 "    float all = before + hbil_weight(s.nx, r.ny, c, higher);\n"
 "    light.mean = (light.mean * before + radiance * hbil_weight(s.nx, r.ny, arc.x, arc.y)) / max(all, 1e-20);\n"
 "#else\n"
-"#if HBIL_NEAR_LIGHT\n"
+"#if HBIL_NEAR_LIGHT && HBIL_FACING_HALF_SPACE\n"
 "    light.near += hbil_weight(s.nx, r.ny, arc.x, arc.y) * radiance;\n"
+"#elif HBIL_NEAR_LIGHT\n"
+"    // half an arc of the horizon is known from the rise before\n"
+"    float next = hbil_arc(higher);\n"
+"    light.near += max(0.5 * (s.nx * (light.arc - next) + r.ny * (higher - c) * (higher + c)), 0.0) * radiance;\n"
+"    light.arc = next;\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    light.sh_0 += (arc.y - arc.x) * radiance;\n"
@@ -1916,7 +2062,9 @@ static const char hbil__glsl_horizon_hbil_add_corner[] =
 "    vec3 along = h * inversesqrt(max(dot(h, h), 1e-30));\n"
 "    float low = c;\n"
 "    c = z <= z_top ? c_sample : clamp(dot(along, r.v), c, c_sample);\n"
-"    hbil_add_arc(r, s, q, along, low, c, light);\n"
+"    hbil_visit at;\n"
+"    at.pixel = vec2(q) + 0.5;\n"
+"    hbil_add_arc(r, s, at, along, low, c, light);\n"
 "}\n"
 "#endif\n";
 static const char hbil__glsl_horizon_hbil_add_cell[] =
@@ -1948,8 +2096,10 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "float hbil_horizon(hbil_receiver r, hbil_side s) {\n"
 "#endif\n"
 "    float c = s.c0;\n"
-"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
-"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"    hbil_visit at = hbil_start(r);\n"
+"#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
+"    hbil_visit top = at; // what makes the horizon\n"
+"#elif HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
 "    hbil_step step;\n"
 "    step.to = at.pixel;\n"
 "    step.to_nearness = hbil_nearness(r.position.z);\n"
@@ -1960,7 +2110,7 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "#endif\n"
 "    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
 "        if (!hbil_go(r, s, i, at)) break;\n"
-"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER\n"
+"#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER && !HBIL_GATHER_SIDE\n"
 "        step.way = at.pixel - step.to;\n"
 "        step.to = at.pixel;\n"
 "        step.from_nearness = step.to_nearness;\n"
@@ -1977,11 +2127,13 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "        c_sample = mix(s.c0, c_sample, hbil_fade(l2 * inv));\n"
 "#endif\n"
 "        if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {\n"
-"#if HBIL_GATHER\n"
+"#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
+"            top = at;\n"
+"#elif HBIL_GATHER\n"
 "#if HBIL_SAMPLING_BILINEAR\n"
 "            hbil_add_cell(r, s, step, c, c_sample, light);\n"
 "#else\n"
-"            hbil_add_arc(r, s, ivec2(at.pixel), h * inv, c, c_sample, light);\n"
+"            hbil_add_arc(r, s, at, h * inv, c, c_sample, light);\n"
 "#endif\n"
 "#endif\n"
 "            c = c_sample;\n"
@@ -1990,6 +2142,13 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "        else c = max(s.c0, mix(c, min(c, c_sample), sink));\n"
 "#endif\n"
 "    }\n"
+"#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
+"    light.mean = hbil_radiance_at(top);\n"
+"#if HBIL_FACING_HALF_SPACE\n"
+"    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));\n"
+"    light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);\n"
+"#endif\n"
+"#endif\n"
 "    return c;\n"
 "}\n";
 static const char hbil__glsl_horizon_hbil_bent[] =
@@ -2057,10 +2216,10 @@ static const char hbil__glsl_horizon_hbil_horizon_slice[] =
 "    float cf = hbil_swept(r, front, 2 * i);\n"
 "    float cb = hbil_swept(r, back, 2 * i + 1);\n"
 "#elif HBIL_GATHER\n"
-"    hbil_light light = hbil_dark();\n"
+"    hbil_light light = hbil_dark(front.c0);\n"
 "    float cf = hbil_horizon(r, front, light);\n"
 "    hbil_add_light(r, front, light, cf, sum);\n"
-"    light = hbil_dark();\n"
+"    light = hbil_dark(back.c0);\n"
 "    float cb = hbil_horizon(r, back, light);\n"
 "    hbil_add_light(r, back, light, cb, sum);\n"
 "#else\n"
@@ -2261,7 +2420,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "#if HBIL_FACING_FILTER\n"
 "    vec3 accepted = vec3(0.0);\n"
 "#endif\n"
-"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"    hbil_visit at = hbil_start(r);\n"
 "    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
 "        if (!hbil_go(r, s, i, at)) break;\n"
 "        if (at.z >= HBIL_SKY) continue;\n"
@@ -2282,9 +2441,9 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "        uint fresh = bits & ~hidden;\n"
 "        if (fresh != 0u) {\n"
 "#if HBIL_FACING_FILTER\n"
-"            vec3 radiance = hbil_source(ivec2(at.pixel), h * inv, accepted);\n"
+"            vec3 radiance = hbil_source(at, h * inv, accepted);\n"
 "#else\n"
-"            vec3 radiance = hbil_load_radiance(ivec2(at.pixel));\n"
+"            vec3 radiance = hbil_radiance_at(at);\n"
 "#endif\n"
 "#if HBIL_FACING_HALF_SPACE\n"
 "            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));\n"
@@ -2401,7 +2560,7 @@ static const char hbil__glsl_hbao_hbil_hidden[] =
 "    float c = min(s.c0 + HBIL_ANGLE_BIAS, 1.0);\n"
 "#endif\n"
 "    float hidden = 0.0;\n"
-"    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);\n"
+"    hbil_visit at = hbil_start(r);\n"
 "    for (int i = 0; i < HBIL_STEPS; ++i) {\n"
 "        if (!hbil_go(r, s, i, at)) break;\n"
 "        if (at.z >= HBIL_SKY) continue;\n"
@@ -2556,6 +2715,76 @@ static const char hbil__glsl_prepare_main[] =
 "    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_load_radiance(p))));\n"
 "#endif\n"
 "    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));\n"
+"}\n";
+static const char hbil__glsl_mips_hbil_tile[] =
+"shared float hbil_tile[64]; // nearness of the group's texels, -1e30: sky or off the screen\n";
+static const char hbil__glsl_mips_hbil_tile_light[] =
+"#if HBIL_GATHER\n"
+"shared vec3 hbil_tile_light[64];\n"
+"#endif\n";
+static const char hbil__glsl_mips_HBIL_SAME_SURFACE[] =
+"const float HBIL_SAME_SURFACE = 0.95; // of the nearest texel's nearness (its inverse for an orthographic camera)\n";
+static const char hbil__glsl_mips_hbil_weights[] =
+"// How much each of four texels counts.\n"
+"vec4 hbil_weights(vec4 nearness) {\n"
+"    vec4 there = vec4(greaterThan(nearness, vec4(-1e29)));\n"
+"#if HBIL_MIPS_MEAN || HBIL_MIPS_SPREAD\n"
+"    return there;\n"
+"#else\n"
+"    float top = max(max(nearness.x, nearness.y), max(nearness.z, nearness.w));\n"
+"#if HBIL_MIPS_NEAREST\n"
+"    return there * vec4(equal(nearness, vec4(top)));\n"
+"#elif HBIL_PROJECTION_PERSPECTIVE\n"
+"    return there * vec4(greaterThanEqual(nearness, vec4(top * HBIL_SAME_SURFACE)));\n"
+"#else\n"
+"    return there * vec4(greaterThanEqual(nearness, vec4(top - abs(top) * (1.0 - HBIL_SAME_SURFACE))));\n"
+"#endif\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_mips_hbil_reduce[] =
+"// One texel of a level from four of the level below, i: the first of them in the tile, stride: to its neighbours.\n"
+"void hbil_reduce(ivec2 q, int level, int i, int stride) {\n"
+"    vec4 n = vec4(hbil_tile[i], hbil_tile[i + stride], hbil_tile[i + 8 * stride], hbil_tile[i + 9 * stride]);\n"
+"    vec4 w = hbil_weights(n);\n"
+"    float all = dot(w, vec4(1.0));\n"
+"    float inv = 1.0 / max(all, 1.0);\n"
+"    vec4 known = mix(vec4(0.0), n, greaterThan(w, vec4(0.0)));\n"
+"    float mean = dot(w, known) * inv;\n"
+"#if HBIL_MIPS_SPREAD\n"
+"    vec4 off = known - mean;\n"
+"    mean += sqrt(max(dot(w, off * off) * inv, 0.0));\n"
+"#endif\n"
+"    hbil_tile[i] = all > 0.0 ? mean : -1e30;\n"
+"#if HBIL_GATHER\n"
+"    vec3 light = w.x * hbil_tile_light[i] + w.y * hbil_tile_light[i + stride]\n"
+"        + w.z * hbil_tile_light[i + 8 * stride] + w.w * hbil_tile_light[i + 9 * stride];\n"
+"    hbil_tile_light[i] = light * inv;\n"
+"#endif\n"
+"    if (any(greaterThanEqual(q << level, HBIL_SIZE)) || hbil_levels() == 0) return;\n"
+"    imageStore(u_depth_mips, hbil_level_at(q, level), vec4(all > 0.0 ? hbil_depth_of(mean) : HBIL_SKY));\n"
+"#if HBIL_GATHER\n"
+"    imageStore(u_radiance_mips, hbil_level_at(q, level), uvec4(hbil_pack_radiance(light * inv)));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_mips_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 at = ivec2(gl_LocalInvocationID.xy);\n"
+"    int i = at.y * 8 + at.x;\n"
+"    bool inside = all(lessThan(p, HBIL_SIZE));\n"
+"    float z = inside ? hbil_load_depth(p) : HBIL_SKY;\n"
+"    hbil_tile[i] = z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
+"    if (inside) imageStore(u_depth_mips, ivec3(p, 0), vec4(z));\n"
+"#if HBIL_GATHER\n"
+"    uint code = inside ? texelFetch(u_view_radiance, p, 0).r : 0u;\n"
+"    hbil_tile_light[i] = hbil_unpack_radiance(code);\n"
+"    if (inside) imageStore(u_radiance_mips, ivec3(p, 0), uvec4(code));\n"
+"#endif\n"
+"    for (int level = 1; level <= HBIL_LEVELS; ++level) {\n"
+"        int stride = 1 << level;\n"
+"        barrier();\n"
+"        if (at.x % stride == 0 && at.y % stride == 0) hbil_reduce(p >> level, level, i, stride / 2);\n"
+"    }\n"
 "}\n";
 static const char hbil__glsl_sweep_HBIL_BACK_LOW[] =
 "const float HBIL_BACK_LOW = -0.7; // cosine of normal and way to the next pixel up to which a surface turns its back\n";
@@ -2933,7 +3162,15 @@ static const char hbil__glsl_march_hbil_store_sky[] =
 "}\n";
 static const char hbil__glsl_march_main[] =
 "void main() {\n"
+"#if HBIL_INTERLEAVE_YES\n"
+"    // place by place of the 4 x 4, each a quarter of the screen wide: a wave has one noise\n"
+"    ivec2 quarter = (HBIL_SIZE + 3) / 4;\n"
+"    ivec2 g = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = g % quarter * 4 + g / quarter;\n"
+"    if (any(greaterThanEqual(g, 4 * quarter))) return;\n"
+"#else\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"#endif\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
 "#if HBIL_SWEPT\n"
@@ -2949,19 +3186,15 @@ static const char hbil__glsl_filter_HBIL_FILTER_RADIUS[] =
 "#else\n"
 "const int HBIL_FILTER_RADIUS = 2; // pixels\n"
 "#endif\n";
-static const char hbil__glsl_filter_HBIL_FILTER_STEEP[] =
-"const float HBIL_FILTER_STEEP = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels\n";
-static const char hbil__glsl_filter_HBIL_FILTER_ALIKE[] =
-"const float HBIL_FILTER_ALIKE = 0.7; // cosine between two normals from which on a neighbour begins to count\n";
+static const char hbil__glsl_filter_HBIL_FILTER_PLANE[] =
+"const float HBIL_FILTER_PLANE = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels\n";
 static const char hbil__glsl_filter_hbil_filter_weight[] =
 "// How far a neighbour is part of the surface with normal n at `position`. [0, 1]\n"
 "float hbil_filter_weight(ivec2 q, vec3 position, vec3 n, float pixel) {\n"
 "    float z = hbil_load_depth(q);\n"
 "    if (z >= HBIL_SKY) return 0.0;\n"
 "    float off = abs(dot(n, hbil_position(vec2(q) + 0.5, z) - position));\n"
-"    float alike = dot(n, hbil_load_normal(q));\n"
-"    return clamp(1.0 - off / (HBIL_FILTER_STEEP * pixel), 0.0, 1.0)\n"
-"        * clamp((alike - HBIL_FILTER_ALIKE) / (1.0 - HBIL_FILTER_ALIKE), 0.0, 1.0);\n"
+"    return clamp(1.0 - off / (HBIL_FILTER_PLANE * pixel), 0.0, 1.0);\n"
 "}\n";
 static const char hbil__glsl_filter_main[] =
 "void main() {\n"
@@ -3198,8 +3431,12 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_rise", "lines", hbil__glsl_lines_hbil_rise },
     { "hbil_pack_radiance", "lines", hbil__glsl_lines_hbil_pack_radiance },
     { "hbil_unpack_radiance", "lines", hbil__glsl_lines_hbil_unpack_radiance },
+    { "HBIL_LEVELS", "levels", hbil__glsl_levels_HBIL_LEVELS },
+    { "hbil_level_at", "levels", hbil__glsl_levels_hbil_level_at },
+    { "hbil_levels", "levels", hbil__glsl_levels_hbil_levels },
     { "hbil_hilbert", "slice", hbil__glsl_slice_hbil_hilbert },
     { "hbil_gradient", "slice", hbil__glsl_slice_hbil_gradient },
+    { "hbil_block", "slice", hbil__glsl_slice_hbil_block },
     { "hbil_noise", "slice", hbil__glsl_slice_hbil_noise },
     { "hbil_arc", "slice", hbil__glsl_slice_hbil_arc },
     { "HBIL_STRIDE", "slice", hbil__glsl_slice_HBIL_STRIDE },
@@ -3216,9 +3453,12 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_horizon_at", "slice", hbil__glsl_slice_hbil_horizon_at },
     { "hbil_swept", "slice", hbil__glsl_slice_hbil_swept },
     { "hbil_visit", "slice", hbil__glsl_slice_hbil_visit },
+    { "hbil_start", "slice", hbil__glsl_slice_hbil_start },
+    { "HBIL_FINE", "slice", hbil__glsl_slice_HBIL_FINE },
     { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
     { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
     { "hbil_load_radiance", "slice", hbil__glsl_slice_hbil_load_radiance },
+    { "hbil_radiance_at", "slice", hbil__glsl_slice_hbil_radiance_at },
     { "HBIL_FILTER_LOW", "slice", hbil__glsl_slice_HBIL_FILTER_LOW },
     { "HBIL_FILTER_HIGH", "slice", hbil__glsl_slice_HBIL_FILTER_HIGH },
     { "hbil_source", "slice", hbil__glsl_slice_hbil_source },
@@ -3264,6 +3504,12 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_tangent", "prepare", hbil__glsl_prepare_hbil_tangent },
     { "hbil_view_normal", "prepare", hbil__glsl_prepare_hbil_view_normal },
     { "main", "prepare", hbil__glsl_prepare_main },
+    { "hbil_tile", "mips", hbil__glsl_mips_hbil_tile },
+    { "hbil_tile_light", "mips", hbil__glsl_mips_hbil_tile_light },
+    { "HBIL_SAME_SURFACE", "mips", hbil__glsl_mips_HBIL_SAME_SURFACE },
+    { "hbil_weights", "mips", hbil__glsl_mips_hbil_weights },
+    { "hbil_reduce", "mips", hbil__glsl_mips_hbil_reduce },
+    { "main", "mips", hbil__glsl_mips_main },
     { "HBIL_BACK_LOW", "sweep", hbil__glsl_sweep_HBIL_BACK_LOW },
     { "HBIL_BACK_HIGH", "sweep", hbil__glsl_sweep_HBIL_BACK_HIGH },
     { "hbil_lit_step", "sweep", hbil__glsl_sweep_hbil_lit_step },
@@ -3282,8 +3528,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_store_sky", "march", hbil__glsl_march_hbil_store_sky },
     { "main", "march", hbil__glsl_march_main },
     { "HBIL_FILTER_RADIUS", "filter", hbil__glsl_filter_HBIL_FILTER_RADIUS },
-    { "HBIL_FILTER_STEEP", "filter", hbil__glsl_filter_HBIL_FILTER_STEEP },
-    { "HBIL_FILTER_ALIKE", "filter", hbil__glsl_filter_HBIL_FILTER_ALIKE },
+    { "HBIL_FILTER_PLANE", "filter", hbil__glsl_filter_HBIL_FILTER_PLANE },
     { "hbil_filter_weight", "filter", hbil__glsl_filter_hbil_filter_weight },
     { "main", "filter", hbil__glsl_filter_main },
     { "hbil_angle", "light", hbil__glsl_light_hbil_angle },

@@ -8,7 +8,7 @@
  * [x] barriers are complete: every hazard between two passes has one
  * [x] barriers are minimal: each one orders at least one hazard that no other orders
  * [x] slots are unique in their name space and start where the target wants them
- * [x] grids cover their domain and are not a group too large
+ * [x] grids cover their domain, or the lines of a sweep, and are not a group too large; update only where there is a WRITE
  * [x] shapes: only inputs are multisampled, cubes or 3D; what is written is 2D or 2D_ARRAY; layers fit the shape
  * [x] ages below copies, mips below mips, indices in range, outputs written, no texture unused
  * [ ] aliasing of transient memory: needs lifetimes, a later version
@@ -23,6 +23,7 @@
  *   5. 0: run it. Else print items[i].text.
  *
  * CHANGELOG
+ *   2026-11-25  NEW lines, update.
  *   2026-11-24  NEW shapes.
  *   2026-11     NEW first version. */
 #ifndef HBIL_NULL_H
@@ -144,6 +145,7 @@ static void hbil_null__check_slots(hbil_null__walk *w, int pass)
         const hbil_binding *x = &a->bindings[i];
         if (!gl && a->constants && x->slot == p->constants_slot) hbil_null__fault(w, pass, x->texture, "slot of the uniform block");
         if (gl && x->slot >= (x->access == HBIL_ACCESS_WRITE ? 8 : 16)) hbil_null__fault(w, pass, x->texture, "more units than GL 4.3 promises");
+        if (x->update && x->access != HBIL_ACCESS_WRITE) hbil_null__fault(w, pass, x->texture, "update, but not written");
         if (x->age >= p->textures[x->texture].copies) hbil_null__fault(w, pass, x->texture, "age is not below copies");
         if (x->mip >= p->textures[x->texture].mips) hbil_null__fault(w, pass, x->texture, "mip is not below mips");
         for (j = 0; j < i; ++j) {

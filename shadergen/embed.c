@@ -408,7 +408,7 @@ static chunk chunks[256];
 static int   chunk_count;
 
 /* Chunks that any pass may use; then one file per pass, in plan order. */
-static const char *const shared_files[] = { "common", "environment", "lines", "slice", "horizon", "bitmask", "hbao" };
+static const char *const shared_files[] = { "common", "environment", "lines", "levels", "slice", "horizon", "bitmask", "hbao" };
 
 static int is_shared(const char *file)
 {

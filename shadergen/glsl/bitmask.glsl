@@ -190,7 +190,7 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
 #if HBIL_FACING_FILTER
     vec3 accepted = vec3(0.0);
 #endif
-    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);
+    hbil_visit at = hbil_start(r);
     for (int i = 0; i < HBIL_STEPS; ++i) {
         if (!hbil_go(r, s, i, at)) break;
         if (at.z >= HBIL_SKY) continue;
@@ -211,9 +211,9 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
         uint fresh = bits & ~hidden;
         if (fresh != 0u) {
 #if HBIL_FACING_FILTER
-            vec3 radiance = hbil_source(ivec2(at.pixel), h * inv, accepted);
+            vec3 radiance = hbil_source(at, h * inv, accepted);
 #else
-            vec3 radiance = hbil_load_radiance(ivec2(at.pixel));
+            vec3 radiance = hbil_radiance_at(at);
 #endif
 #if HBIL_FACING_HALF_SPACE
             fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));

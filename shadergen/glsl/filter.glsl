@@ -8,11 +8,8 @@ const int HBIL_FILTER_RADIUS = 1; // pixels
 const int HBIL_FILTER_RADIUS = 2; // pixels
 #endif
 
-//@ chunk HBIL_FILTER_STEEP
-const float HBIL_FILTER_STEEP = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels
-
-//@ chunk HBIL_FILTER_ALIKE
-const float HBIL_FILTER_ALIKE = 0.7; // cosine between two normals from which on a neighbour begins to count
+//@ chunk HBIL_FILTER_PLANE
+const float HBIL_FILTER_PLANE = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels
 
 //@ chunk hbil_filter_weight
 // How far a neighbour is part of the surface with normal n at `position`. [0, 1]
@@ -20,9 +17,7 @@ float hbil_filter_weight(ivec2 q, vec3 position, vec3 n, float pixel) {
     float z = hbil_load_depth(q);
     if (z >= HBIL_SKY) return 0.0;
     float off = abs(dot(n, hbil_position(vec2(q) + 0.5, z) - position));
-    float alike = dot(n, hbil_load_normal(q));
-    return clamp(1.0 - off / (HBIL_FILTER_STEEP * pixel), 0.0, 1.0)
-        * clamp((alike - HBIL_FILTER_ALIKE) / (1.0 - HBIL_FILTER_ALIKE), 0.0, 1.0);
+    return clamp(1.0 - off / (HBIL_FILTER_PLANE * pixel), 0.0, 1.0);
 }
 
 //@ chunk main

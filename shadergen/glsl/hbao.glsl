@@ -23,7 +23,7 @@ float hbil_hidden(hbil_receiver r, hbil_side s) {
     float c = min(s.c0 + HBIL_ANGLE_BIAS, 1.0);
 #endif
     float hidden = 0.0;
-    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);
+    hbil_visit at = hbil_start(r);
     for (int i = 0; i < HBIL_STEPS; ++i) {
         if (!hbil_go(r, s, i, at)) break;
         if (at.z >= HBIL_SKY) continue;

@@ -10,6 +10,9 @@ struct hbil_light {
 #else
 #if HBIL_NEAR_LIGHT
     vec3 near;
+#if !HBIL_FACING_HALF_SPACE
+    float arc; // hbil_arc of the horizon
+#endif
 #endif
 #if HBIL_OUTPUTS_SH
     vec3 sh_0; // integrals of L |sin|, L sin |sin|, L cos |sin| over the angle
@@ -25,13 +28,16 @@ struct hbil_light {
 
 //@ chunk hbil_dark
 #if HBIL_GATHER
-hbil_light hbil_dark() {
+hbil_light hbil_dark(float c0) {
     hbil_light light;
 #if HBIL_MEAN_LIGHT
     light.mean = vec3(0.0);
 #else
 #if HBIL_NEAR_LIGHT
     light.near = vec3(0.0);
+#if !HBIL_FACING_HALF_SPACE
+    light.arc = hbil_arc(c0);
+#endif
 #endif
 #if HBIL_OUTPUTS_SH
     light.sh_0 = vec3(0.0);
@@ -68,24 +74,30 @@ vec2 hbil_lit(hbil_receiver r, hbil_side s, vec3 normal, vec2 arc) {
 
 //@ chunk hbil_add_arc
 #if HBIL_GATHER
-// Add the light of the pixel q, seen along the unit vector `along`, through the arc between the horizons c and higher.
-void hbil_add_arc(hbil_receiver r, hbil_side s, ivec2 q, vec3 along, float c, float higher, inout hbil_light light) {
+// Add the light of a sample, seen along the unit vector `along`, through the arc between the horizons c and higher.
+void hbil_add_arc(hbil_receiver r, hbil_side s, hbil_visit at, vec3 along, float c, float higher,
+        inout hbil_light light) {
 #if HBIL_FACING_FILTER
-    vec3 radiance = hbil_source(q, along, light.accepted);
+    vec3 radiance = hbil_source(at, along, light.accepted);
 #else
-    vec3 radiance = hbil_load_radiance(q);
+    vec3 radiance = hbil_radiance_at(at);
 #endif
     vec2 arc = vec2(c, higher);
 #if HBIL_FACING_HALF_SPACE
-    arc = hbil_lit(r, s, hbil_load_normal(q), arc);
+    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);
 #endif
 #if HBIL_OCCLUDER_HEURISTIC
     float before = hbil_weight(s.nx, r.ny, s.c0, c);
     float all = before + hbil_weight(s.nx, r.ny, c, higher);
     light.mean = (light.mean * before + radiance * hbil_weight(s.nx, r.ny, arc.x, arc.y)) / max(all, 1e-20);
 #else
-#if HBIL_NEAR_LIGHT
+#if HBIL_NEAR_LIGHT && HBIL_FACING_HALF_SPACE
     light.near += hbil_weight(s.nx, r.ny, arc.x, arc.y) * radiance;
+#elif HBIL_NEAR_LIGHT
+    // half an arc of the horizon is known from the rise before
+    float next = hbil_arc(higher);
+    light.near += max(0.5 * (s.nx * (light.arc - next) + r.ny * (higher - c) * (higher + c)), 0.0) * radiance;
+    light.arc = next;
 #endif
 #if HBIL_OUTPUTS_SH
     light.sh_0 += (arc.y - arc.x) * radiance;
@@ -120,7 +132,9 @@ void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, floa
     vec3 along = h * inversesqrt(max(dot(h, h), 1e-30));
     float low = c;
     c = z <= z_top ? c_sample : clamp(dot(along, r.v), c, c_sample);
-    hbil_add_arc(r, s, q, along, low, c, light);
+    hbil_visit at;
+    at.pixel = vec2(q) + 0.5;
+    hbil_add_arc(r, s, at, along, low, c, light);
 }
 #endif
 
@@ -155,8 +169,10 @@ float hbil_horizon(hbil_receiver r, hbil_side s, inout hbil_light light) {
 float hbil_horizon(hbil_receiver r, hbil_side s) {
 #endif
     float c = s.c0;
-    hbil_visit at = hbil_visit(0.0, vec2(r.pixel) + 0.5, HBIL_SKY);
-#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER
+    hbil_visit at = hbil_start(r);
+#if HBIL_GATHER_SIDE && HBIL_GATHER
+    hbil_visit top = at; // what makes the horizon
+#elif HBIL_SAMPLING_BILINEAR && HBIL_GATHER
     hbil_step step;
     step.to = at.pixel;
     step.to_nearness = hbil_nearness(r.position.z);
@@ -167,7 +183,7 @@ float hbil_horizon(hbil_receiver r, hbil_side s) {
 #endif
     for (int i = 0; i < HBIL_STEPS; ++i) {
         if (!hbil_go(r, s, i, at)) break;
-#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER
+#if HBIL_SAMPLING_BILINEAR && HBIL_GATHER && !HBIL_GATHER_SIDE
         step.way = at.pixel - step.to;
         step.to = at.pixel;
         step.from_nearness = step.to_nearness;
@@ -184,11 +200,13 @@ float hbil_horizon(hbil_receiver r, hbil_side s) {
         c_sample = mix(s.c0, c_sample, hbil_fade(l2 * inv));
 #endif
         if (c_sample > c && dot(r.n, h) * inv > HBIL_BIAS) {
-#if HBIL_GATHER
+#if HBIL_GATHER_SIDE && HBIL_GATHER
+            top = at;
+#elif HBIL_GATHER
 #if HBIL_SAMPLING_BILINEAR
             hbil_add_cell(r, s, step, c, c_sample, light);
 #else
-            hbil_add_arc(r, s, ivec2(at.pixel), h * inv, c, c_sample, light);
+            hbil_add_arc(r, s, at, h * inv, c, c_sample, light);
 #endif
 #endif
             c = c_sample;
@@ -197,6 +215,13 @@ float hbil_horizon(hbil_receiver r, hbil_side s) {
         else c = max(s.c0, mix(c, min(c, c_sample), sink));
 #endif
     }
+#if HBIL_GATHER_SIDE && HBIL_GATHER
+    light.mean = hbil_radiance_at(top);
+#if HBIL_FACING_HALF_SPACE
+    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));
+    light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);
+#endif
+#endif
     return c;
 }
 
@@ -267,10 +292,10 @@ void hbil_horizon_slice(hbil_receiver r, vec3 slice, vec2 d, float jitter, inout
     float cf = hbil_swept(r, front, 2 * i);
     float cb = hbil_swept(r, back, 2 * i + 1);
 #elif HBIL_GATHER
-    hbil_light light = hbil_dark();
+    hbil_light light = hbil_dark(front.c0);
     float cf = hbil_horizon(r, front, light);
     hbil_add_light(r, front, light, cf, sum);
-    light = hbil_dark();
+    light = hbil_dark(back.c0);
     float cb = hbil_horizon(r, back, light);
     hbil_add_light(r, back, light, cb, sum);
 #else

@@ -24,15 +24,30 @@ float hbil_gradient(vec2 p) {
     return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));
 }
 
+//@ chunk hbil_block
+// Place of a pixel in its block of 4 x 4, as in a Bayer matrix: neighbours are far apart in the sequence. [0, 15]
+uint hbil_block(ivec2 p) {
+    uint x = uint(p.x);
+    uint y = uint(p.x ^ p.y);
+    return ((y & 1u) << 3) | ((x & 1u) << 2) | (y & 2u) | ((x & 2u) >> 1);
+}
+
 //@ chunk hbil_noise
 // x rotates the slices, y jitters the steps, z the edges of sectors. [0, 1)
 vec3 hbil_noise(ivec2 p) {
 #if HBIL_NOISE_HILBERT_R2
     // R2 sequence in 32-bit fixed point: exact, the same on every device, for any frame number. Roberts 2018
+#if HBIL_INTERLEAVE_YES
+    uint index = hbil_block(p) + 16u * HBIL_FRAME_INDEX;
+#else
     uint index = hbil_hilbert(uvec2(p) & 63u) + 288u * HBIL_FRAME_INDEX;
+#endif
     uvec3 r2 = uvec3(3242174889u, 2447445414u, 2654435769u) * index + 2147483648u;
     return vec3(r2 >> 8) / 16777216.0;
 #elif HBIL_NOISE_IGN
+#if HBIL_INTERLEAVE_YES
+    p &= 3;
+#endif
     vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);
     return vec3(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)), hbil_gradient(q + vec2(31.0, 83.0)));
 #else
@@ -279,7 +294,26 @@ struct hbil_visit {
     float offset; // pixels from the receiver
     vec2 pixel;   // centres at .5
     float z;      // depth of the surface there, HBIL_SKY if there is none. m
+#if HBIL_MIPS
+    int level;    // that it was read from
+#endif
 };
+
+//@ chunk hbil_start
+// The receiver itself.
+hbil_visit hbil_start(hbil_receiver r) {
+    hbil_visit at;
+    at.offset = 0.0;
+    at.pixel = vec2(r.pixel) + 0.5;
+    at.z = HBIL_SKY;
+#if HBIL_MIPS
+    at.level = 0;
+#endif
+    return at;
+}
+
+//@ chunk HBIL_FINE
+const float HBIL_FINE = 4.0; // distance of a sample, in texels, from which on it reads the next coarser level
 
 //@ chunk hbil_go
 // On to sample i: never the receiver itself, never one place twice. false: the side has ended.
@@ -292,8 +326,15 @@ bool hbil_go(hbil_receiver r, hbil_side s, int i, inout hbil_visit at) {
 #else
     ivec2 q = r.pixel + ivec2(floor(at.offset * s.d + 0.5));
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return false;
+#if HBIL_MIPS
+    at.level = clamp(int(log2(at.offset / HBIL_FINE)), 0, hbil_levels());
+    q >>= at.level;
+    at.pixel = (vec2(q) + 0.5) * float(1 << at.level);
+    at.z = texelFetch(u_depth_mips, hbil_level_at(q, at.level), 0).r;
+#else
     at.pixel = vec2(q) + 0.5;
     at.z = hbil_load_depth(q);
+#endif
 #endif
     return true;
 }
@@ -315,6 +356,23 @@ vec3 hbil_load_radiance(ivec2 p) {
     return radiance;
 }
 
+//@ chunk hbil_radiance_at
+// Light of the surface that a sample sees.
+#if HBIL_MIPS
+vec3 hbil_radiance_at(hbil_visit at) {
+    ivec2 q = ivec2(at.pixel) >> at.level;
+    return hbil_unpack_radiance(texelFetch(u_radiance_mips, hbil_level_at(q, at.level), 0).r);
+}
+#elif HBIL_PACKED
+vec3 hbil_radiance_at(hbil_visit at) {
+    return hbil_unpack_radiance(texelFetch(u_view_radiance, ivec2(at.pixel), 0).r);
+}
+#else
+vec3 hbil_radiance_at(hbil_visit at) {
+    return hbil_load_radiance(ivec2(at.pixel));
+}
+#endif
+
 //@ chunk HBIL_FILTER_LOW
 const float HBIL_FILTER_LOW = -0.1; // cosine at a source up to which it faces away; Mayaux 2018 gives no value
 
@@ -323,11 +381,11 @@ const float HBIL_FILTER_HIGH = 0.1; // and from which on it faces the receiver
 
 //@ chunk hbil_source
 #if HBIL_FACING_FILTER
-// Light of the pixel q, seen along the unit vector `along`. A surface that faces away hides what is behind it, but is
+// Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is
 // not what lights the receiver: the last light that was accepted stands in.
-vec3 hbil_source(ivec2 q, vec3 along, inout vec3 accepted) {
-    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(q), along));
-    accepted = mix(accepted, hbil_load_radiance(q), t);
+vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {
+    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));
+    accepted = mix(accepted, hbil_radiance_at(at), t);
     return accepted;
 }
 #endif

@@ -31,9 +31,9 @@ typedef struct row { const char *preset, *seed, *options; } row;
 /* What the articles compute that we do not, see seed_compat: on the presets that are theirs, and on one whose reach is the
  * screen, as that of the truths, which tells arithmetic from settings. */
 static const row seeds[] = {
-    {"quality", "YPipeline", "far_visibility=direction " YPIPELINE},
-    {"quality", "Mayaux 2018", "far_visibility=cone " MAYAUX},
-    {"quality", "HBAO + GTAO article", ARTICLE},
+    {"sampled", "YPipeline", "far_visibility=direction " YPIPELINE},
+    {"sampled", "Mayaux 2018", "far_visibility=cone " MAYAUX},
+    {"sampled", "HBAO + GTAO article", ARTICLE},
     {"gtao", "HBAO + GTAO article", ARTICLE},
     {"hbil_paper", "Mayaux 2018", MAYAUX},
     {"hbil_screen", "YPipeline", YPIPELINE},

@@ -326,10 +326,10 @@ expect 0 -c a.hbil --print-config
 has slices=4; has steps=5; has reach=2.5
 expect 0 -c a.hbil -c b.hbil --print-config
 has slices=4; has steps=7
-expect 0 --set slices=9 -c a.hbil --preset fast --print-config
+expect 0 --set slices=9 -c a.hbil --preset sampled --print-config
 has slices=9; has steps=5
 expect 0 --preset fast --print-config
-has slices=2; has steps=4
+has slices=2; has march=sweep
 expect 0 --target gl --print-config
 has target=gl
 "$bin" -c a.hbil --pass march > from_file

@@ -20,7 +20,7 @@ static capture    cap;
 /* What is counted: loads of these textures. */
 typedef struct kind { const char *name, *textures; } kind;
 static const kind kinds[] = {
-    { "depth", " view_depth " }, { "normal", " view_normal " }, { "radiance", " radiance " },
+    { "depth", " view_depth depth_mips swept " }, { "normal", " view_normal " }, { "radiance", " radiance view_radiance radiance_mips swept_light " },
     { "environment", " sky probes " },
     { "other", " ao bent near far f0 roughness albedo direct " },
 };
@@ -109,7 +109,7 @@ static void rewrite(writer *w, const char *s, const char *end)
 
 static const char counter[] = "uint hbil_loads = 0u;\nvec4 hbil_count(vec4 v) { return vec4(float(hbil_loads)); }\n";
 
-/* hbil_emit_glsl_hook, but for prepare whose outputs the other passes need. */
+/* hbil_emit_glsl_hook, but for passes whose outputs others need. */
 static hbil_result emit_counting(const hbil_plan *plan, int32_t pass, const char *hook, char *buf, size_t cap_text,
                                  size_t *need, hbil_diags *diags)
 {
@@ -120,7 +120,8 @@ static hbil_result emit_counting(const hbil_plan *plan, int32_t pass, const char
     if (result != HBIL_OK) return result;
     assert_non_null(layout);
     body = strchr(layout, '\n') + 1;
-    if (strcmp(plan->passes[pass].name, "prepare") == 0) body = layout = text + strlen(text);
+    if (strcmp(plan->passes[pass].name, "march") && strcmp(plan->passes[pass].name, "light"))
+        body = layout = text + strlen(text);
     w.at = buf;
     w.end = buf + cap_text;
     put(&w, text, (size_t)(body - text));
@@ -217,9 +218,11 @@ static void measure_text(const char *text, measured *m)
     measure(&c, m);
 }
 
-/* Most depth loads of the march: the pixel itself, and one per sample; bilinear samples have four, and eight for light. */
+/* Most depth loads of the march: the pixel itself, and one per sample; bilinear samples have four, and eight for light. A side of a
+ * sweep has one, and the jump that leads there. */
 static int depth_limit(const hbil_config *c)
 {
+    if (c->march == HBIL_MARCH_SWEEP) return 1 + 4 * c->slices;
     return 1 + 2 * c->slices * c->steps * (c->sampling == HBIL_SAMPLING_NEAREST ? 1 : 12);
 }
 
@@ -255,6 +258,10 @@ static void loads_per_pixel_of_each_preset(void **state)
             c.steps = 32;
             note = " (slices and steps reduced for this table)";
         }
+        if (c.filter) { /* would mix the counts of neighbours */
+            c.filter = HBIL_FILTER_NONE;
+            note = " (march without its filter; the pass sweep not counted)";
+        }
         measure(&c, &m);
         print_row(hbil_preset_name(i), note, &m);
         assert_true(m.march.most[DEPTH] <= depth_limit(&m.plan.config));
@@ -271,7 +278,7 @@ static void ao_loads_depth_and_one_normal(void **state)
     static const char *const configs[] = { "outputs=ao", "outputs=ao estimator=bitmask", "outputs=ao estimator=hbao reach=2",
         "outputs=ao estimator=hbao_plus", "outputs=ao occluder=heuristic", "outputs=ao+uniform_ao+bent",
         "outputs=ao+bent estimator=bitmask occluder=thick", "outputs=ao slices=1 steps=1",
-        "outputs=ao spacing=geometric steps=40" };
+        "outputs=ao spacing=geometric steps=40", "outputs=ao mips=spread", "outputs=ao march=sweep" };
     size_t i;
     (void)state;
     for (i = 0; i < sizeof configs / sizeof configs[0]; ++i) {
@@ -291,7 +298,8 @@ static void ao_loads_depth_and_one_normal(void **state)
 static void near_light_adds_one_radiance_per_depth(void **state)
 {
     static const char *const estimators[] = { "", " estimator=bitmask", " occluder=heuristic", " facing=filter",
-        " facing=half_space", " estimator=bitmask occluder=thick facing=half_space" };
+        " facing=half_space", " estimator=bitmask occluder=thick facing=half_space",
+        " gather=packed", " gather=side", " mips=spread", " march=sweep" };
     size_t i;
     (void)state;
     for (i = 0; i < sizeof estimators / sizeof estimators[0]; ++i) {

@@ -102,6 +102,9 @@ static void null_backend_finds_each_fault(void **state)
     p = good;
     p.textures[0].copies = 0;
     finds(&p, "at least 1");
+    p = good;
+    p.passes[march].bindings[0].update = 1;
+    finds(&p, "update, but not written");
     p = full_plan(HBIL_TARGET_GL);
     p.passes[march].bindings[3].slot = 8;
     finds(&p, "more units than GL 4.3 promises");
@@ -117,6 +120,31 @@ static hbil_plan plan_of(const char *config)
     assert_int_equal(hbil_config_parse(&c, config, strlen(config), NULL), HBIL_OK);
     assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
     return plan;
+}
+
+/* The grid of a sweep: lines of the longer side in whole strides, two layers a slice; nothing else has such a grid. */
+static void a_sweep_covers_every_line_of_both_sides(void **state)
+{
+    hbil_plan plan = plan_of("march=sweep slices=4 sweep_stride=3");
+    const int32_t sweep = hbil_plan_pass(&plan, "sweep"), swept = hbil_plan_texture(&plan, "swept");
+    hbil_dispatch grid[HBIL_MAX_PASSES];
+    hbil_frame frame;
+    int32_t i;
+    (void)state;
+    memset(&frame, 0, sizeof frame);
+    frame.width = 95; /* 96 lines in strides of 3, which are 3 groups of 32 */
+    frame.height = 7;
+    assert_true(sweep >= 0 && swept >= 0);
+    assert_int_equal(plan.textures[swept].layers, 8);
+    assert_int_equal(plan.passes[sweep].grid, HBIL_GRID_LINES);
+    for (i = 0; i < (int32_t)plan.pass_count; ++i) assert_true(i == sweep || plan.passes[i].grid == HBIL_GRID_PIXELS);
+    assert_int_equal(hbil_plan_frame(&plan, &frame, grid), HBIL_OK);
+    assert_int_equal(grid[sweep].groups[0], 3);
+    assert_int_equal(grid[sweep].groups[1], 8);
+    frame.width = 97; /* 99 lines: a fourth group */
+    assert_int_equal(hbil_plan_frame(&plan, &frame, grid), HBIL_OK);
+    assert_int_equal(grid[sweep].groups[0], 4);
+    assert_int_equal(hbil_null_check(&plan, 97, 7, NULL), 0);
 }
 
 static void null_backend_finds_each_wrong_shape(void **state)
@@ -229,6 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_backend_passes_over_the_matrix_and_odd_sizes),
         cmocka_unit_test(null_backend_finds_each_fault),
+        cmocka_unit_test(a_sweep_covers_every_line_of_both_sides),
         cmocka_unit_test(null_backend_finds_each_wrong_shape),
         cmocka_unit_test(null_backend_follows_history),
         cmocka_unit_test(equal_configs_give_equal_bytes),

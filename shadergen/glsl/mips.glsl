@@ -1,0 +1,78 @@
+// mips: three coarser levels of depth, and of radiance, at once: a group reduces its 8 x 8 pixels to 4 x 4, 2 x 2 and
+// 1.
+
+//@ chunk hbil_tile
+shared float hbil_tile[64]; // nearness of the group's texels, -1e30: sky or off the screen
+
+//@ chunk hbil_tile_light
+#if HBIL_GATHER
+shared vec3 hbil_tile_light[64];
+#endif
+
+//@ chunk HBIL_SAME_SURFACE
+const float HBIL_SAME_SURFACE = 0.95; // of the nearest texel's nearness (its inverse for an orthographic camera)
+
+//@ chunk hbil_weights
+// How much each of four texels counts.
+vec4 hbil_weights(vec4 nearness) {
+    vec4 there = vec4(greaterThan(nearness, vec4(-1e29)));
+#if HBIL_MIPS_MEAN || HBIL_MIPS_SPREAD
+    return there;
+#else
+    float top = max(max(nearness.x, nearness.y), max(nearness.z, nearness.w));
+#if HBIL_MIPS_NEAREST
+    return there * vec4(equal(nearness, vec4(top)));
+#elif HBIL_PROJECTION_PERSPECTIVE
+    return there * vec4(greaterThanEqual(nearness, vec4(top * HBIL_SAME_SURFACE)));
+#else
+    return there * vec4(greaterThanEqual(nearness, vec4(top - abs(top) * (1.0 - HBIL_SAME_SURFACE))));
+#endif
+#endif
+}
+
+//@ chunk hbil_reduce
+// One texel of a level from four of the level below, i: the first of them in the tile, stride: to its neighbours.
+void hbil_reduce(ivec2 q, int level, int i, int stride) {
+    vec4 n = vec4(hbil_tile[i], hbil_tile[i + stride], hbil_tile[i + 8 * stride], hbil_tile[i + 9 * stride]);
+    vec4 w = hbil_weights(n);
+    float all = dot(w, vec4(1.0));
+    float inv = 1.0 / max(all, 1.0);
+    vec4 known = mix(vec4(0.0), n, greaterThan(w, vec4(0.0)));
+    float mean = dot(w, known) * inv;
+#if HBIL_MIPS_SPREAD
+    vec4 off = known - mean;
+    mean += sqrt(max(dot(w, off * off) * inv, 0.0));
+#endif
+    hbil_tile[i] = all > 0.0 ? mean : -1e30;
+#if HBIL_GATHER
+    vec3 light = w.x * hbil_tile_light[i] + w.y * hbil_tile_light[i + stride]
+        + w.z * hbil_tile_light[i + 8 * stride] + w.w * hbil_tile_light[i + 9 * stride];
+    hbil_tile_light[i] = light * inv;
+#endif
+    if (any(greaterThanEqual(q << level, HBIL_SIZE)) || hbil_levels() == 0) return;
+    imageStore(u_depth_mips, hbil_level_at(q, level), vec4(all > 0.0 ? hbil_depth_of(mean) : HBIL_SKY));
+#if HBIL_GATHER
+    imageStore(u_radiance_mips, hbil_level_at(q, level), uvec4(hbil_pack_radiance(light * inv)));
+#endif
+}
+
+//@ chunk main
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 at = ivec2(gl_LocalInvocationID.xy);
+    int i = at.y * 8 + at.x;
+    bool inside = all(lessThan(p, HBIL_SIZE));
+    float z = inside ? hbil_load_depth(p) : HBIL_SKY;
+    hbil_tile[i] = z < HBIL_SKY ? hbil_nearness(z) : -1e30;
+    if (inside) imageStore(u_depth_mips, ivec3(p, 0), vec4(z));
+#if HBIL_GATHER
+    uint code = inside ? texelFetch(u_view_radiance, p, 0).r : 0u;
+    hbil_tile_light[i] = hbil_unpack_radiance(code);
+    if (inside) imageStore(u_radiance_mips, ivec3(p, 0), uvec4(code));
+#endif
+    for (int level = 1; level <= HBIL_LEVELS; ++level) {
+        int stride = 1 << level;
+        barrier();
+        if (at.x % stride == 0 && at.y % stride == 0) hbil_reduce(p >> level, level, i, stride / 2);
+    }
+}
