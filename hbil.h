@@ -130,7 +130,8 @@
  *
  *                       vulkan (GLSL 450)        gl (GLSL 430 core)
  *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
- *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back
+ *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
+ *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
  *   storage images      up to 6 in a pass (all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
  *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
  *   real GPU            untested                 untested
@@ -2800,6 +2801,30 @@ static const char hbil__glsl_sweep_hbil_lit_step[] =
 "    return smoothstep(HBIL_BACK_LOW, HBIL_BACK_HIGH, facing);\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_sweep_hbil_jump[] =
+"// Jump of the pixel `at`, which sees the pixel v before it: over all that stands lower, along the jumps from there on.\n"
+"// With it goes what stands up below: at.rise, and at.light as a sum.\n"
+"void hbil_jump(hbil_line l, int start, int way, int layer, hbil_vertex v, inout hbil_vertex at) {\n"
+"    while (v.back != 0) {\n"
+"        int outward = v.step - way * v.back;\n"
+"        ivec2 q = hbil_pixel(l, start, outward);\n"
+"        float nearness = hbil_nearness(hbil_load_depth(q));\n"
+"        if (!hbil_steeper(at, v, outward, nearness)) break;\n"
+"#if HBIL_GATHER\n"
+"        at.rise += v.rise;\n"
+"        at.light += v.rise * v.light;\n"
+"        v.light = hbil_unpack_radiance(imageLoad(u_swept_light, ivec3(q, layer)).r);\n"
+"#endif\n"
+"        uint code = imageLoad(u_swept, ivec3(q, layer)).r;\n"
+"        v.back = hbil_back(code);\n"
+"#if HBIL_GATHER\n"
+"        v.rise = hbil_rise_in(code);\n"
+"#endif\n"
+"        v.nearness = nearness;\n"
+"        v.step = outward;\n"
+"    }\n"
+"    at.back = abs(at.step - v.step);\n"
+"}\n";
 static const char hbil__glsl_sweep_hbil_walk[] =
 "// One walk along a line, towards smaller steps if `down`.\n"
 "void hbil_walk(hbil_line l, int lane, int width, bool down, int layer) {\n"
@@ -2810,61 +2835,42 @@ static const char hbil__glsl_sweep_hbil_walk[] =
 "    last.step = -1;\n"
 "#if HBIL_GATHER\n"
 "    vec3 own = vec3(0.0); // its own radiance\n"
-"#endif\n"
-"#if HBIL_GATHER && !HBIL_FACING_NONE\n"
+"#if !HBIL_FACING_NONE\n"
 "    ivec2 before = ivec2(0);\n"
+"#endif\n"
 "#if HBIL_FACING_FILTER\n"
 "    vec3 accepted = vec3(0.0); // the last light that was taken\n"
 "#endif\n"
 "#endif\n"
 "    for (int step = down ? steps - 1 : 0; down ? step >= 0 : step < steps; step += way) {\n"
-"        int here = lane + hbil_shift(l, step);\n"
-"        here = lane - int(floor((float(here) + 0.5) / float(width))) * width;\n"
+"        int place = lane + hbil_shift(l, step);\n"
+"        int here = lane - int(floor((float(place) + 0.5) / float(width))) * width;\n"
 "        if (here != start) last.step = -1; // the line has come in again on the other side\n"
 "        start = here;\n"
 "        ivec2 p = hbil_pixel(l, start, step);\n"
 "        if (any(greaterThanEqual(p, HBIL_SIZE))) continue;\n"
-"        hbil_vertex v = last;\n"
 "        float z = hbil_load_depth(p);\n"
 "        bool surface = z < HBIL_SKY;\n"
 "        hbil_vertex at;\n"
 "        at.nearness = hbil_nearness(z);\n"
 "        at.step = step;\n"
-"        at.back = 0;\n"
+"        at.back = last.step >= 0 ? abs(step - last.step) : 0; // of the sky: to the last surface\n"
 "#if HBIL_GATHER\n"
 "        at.rise = 0.0;\n"
 "        at.light = vec3(0.0);\n"
 "#endif\n"
-"        if (last.step >= 0) {\n"
-"#if HBIL_FACING_HALF_SPACE && HBIL_GATHER\n"
+"        if (surface && last.step >= 0) {\n"
+"#if HBIL_GATHER\n"
+"#if HBIL_FACING_HALF_SPACE\n"
 "            own *= hbil_lit_step(before, last.nearness, p, at.nearness);\n"
-"#elif HBIL_FACING_FILTER && HBIL_GATHER\n"
+"#elif HBIL_FACING_FILTER\n"
 "            accepted = mix(accepted, own, hbil_lit_step(before, last.nearness, p, at.nearness));\n"
 "            own = accepted;\n"
 "#endif\n"
-"#if HBIL_GATHER\n"
 "            at.rise = hbil_rise(l, at.nearness, last.nearness);\n"
 "            at.light = at.rise * own;\n"
 "#endif\n"
-"            while (surface && v.back != 0) {\n"
-"                int outward = v.step - way * v.back;\n"
-"                ivec2 q = hbil_pixel(l, start, outward);\n"
-"                float nearness = hbil_nearness(hbil_load_depth(q));\n"
-"                if (!hbil_steeper(at, v, outward, nearness)) break;\n"
-"#if HBIL_GATHER\n"
-"                at.rise += v.rise;\n"
-"                at.light += v.rise * v.light;\n"
-"                v.light = hbil_unpack_radiance(imageLoad(u_swept_light, ivec3(q, layer)).r);\n"
-"#endif\n"
-"                uint code = imageLoad(u_swept, ivec3(q, layer)).r;\n"
-"                v.back = hbil_back(code);\n"
-"#if HBIL_GATHER\n"
-"                v.rise = hbil_rise_in(code);\n"
-"#endif\n"
-"                v.nearness = nearness;\n"
-"                v.step = outward;\n"
-"            }\n"
-"            at.back = abs(step - v.step);\n"
+"            hbil_jump(l, start, way, layer, last, at);\n"
 "#if HBIL_GATHER\n"
 "            at.light = at.rise > 0.0 ? at.light / at.rise : own;\n"
 "#endif\n"
@@ -3513,6 +3519,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_BACK_LOW", "sweep", hbil__glsl_sweep_HBIL_BACK_LOW },
     { "HBIL_BACK_HIGH", "sweep", hbil__glsl_sweep_HBIL_BACK_HIGH },
     { "hbil_lit_step", "sweep", hbil__glsl_sweep_hbil_lit_step },
+    { "hbil_jump", "sweep", hbil__glsl_sweep_hbil_jump },
     { "hbil_walk", "sweep", hbil__glsl_sweep_hbil_walk },
     { "main", "sweep", hbil__glsl_sweep_main },
     { "hbil_nothing", "march", hbil__glsl_march_hbil_nothing },

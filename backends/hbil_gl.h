@@ -274,7 +274,7 @@ enum {
     HBIL_GL__R32F = 0x822E, HBIL_GL__R32UI = 0x8236, HBIL_GL__RGBA32F = 0x8814,
     HBIL_GL__IMAGE_BINDING_NAME = 0x8F3A, HBIL_GL__IMAGE_BINDING_LEVEL = 0x8F3B, HBIL_GL__IMAGE_BINDING_LAYERED = 0x8F3C,
     HBIL_GL__IMAGE_BINDING_LAYER = 0x8F3D, HBIL_GL__IMAGE_BINDING_ACCESS = 0x8F3E, HBIL_GL__IMAGE_BINDING_FORMAT = 0x906E,
-    HBIL_GL__WRITE_ONLY = 0x88B9,
+    HBIL_GL__WRITE_ONLY = 0x88B9, HBIL_GL__READ_WRITE = 0x88BA,
     HBIL_GL__UNIFORM_BUFFER = 0x8A11, HBIL_GL__UNIFORM_BUFFER_BINDING = 0x8A28, HBIL_GL__UNIFORM_BUFFER_START = 0x8A29,
     HBIL_GL__UNIFORM_BUFFER_SIZE = 0x8A2A, HBIL_GL__STREAM_DRAW = 0x88E0,
     HBIL_GL__COMPUTE_SHADER = 0x91B9, HBIL_GL__COMPILE_STATUS = 0x8B81, HBIL_GL__LINK_STATUS = 0x8B82,
@@ -652,8 +652,8 @@ static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t fr
     const hbil_texture *t = &ctx->plan.textures[b->texture];
     unsigned name = ctx->texture[b->texture][(frame_index % t->copies + t->copies - b->age) % t->copies];
     if (b->access == HBIL_ACCESS_WRITE) {
-        gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0, HBIL_GL__WRITE_ONLY,
-                             hbil_gl_format((hbil_format)t->format));
+        gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0,
+                             b->update ? HBIL_GL__READ_WRITE : HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
     } else {
         gl->activeTexture(HBIL_GL__TEXTURE0 + (unsigned)b->slot);
         gl->bindTexture(hbil_gl__targets[t->dim].target, name);

@@ -26,6 +26,31 @@ float hbil_lit_step(ivec2 p, float nearness, ivec2 next, float next_nearness) {
 }
 #endif
 
+//@ chunk hbil_jump
+// Jump of the pixel `at`, which sees the pixel v before it: over all that stands lower, along the jumps from there on.
+// With it goes what stands up below: at.rise, and at.light as a sum.
+void hbil_jump(hbil_line l, int start, int way, int layer, hbil_vertex v, inout hbil_vertex at) {
+    while (v.back != 0) {
+        int outward = v.step - way * v.back;
+        ivec2 q = hbil_pixel(l, start, outward);
+        float nearness = hbil_nearness(hbil_load_depth(q));
+        if (!hbil_steeper(at, v, outward, nearness)) break;
+#if HBIL_GATHER
+        at.rise += v.rise;
+        at.light += v.rise * v.light;
+        v.light = hbil_unpack_radiance(imageLoad(u_swept_light, ivec3(q, layer)).r);
+#endif
+        uint code = imageLoad(u_swept, ivec3(q, layer)).r;
+        v.back = hbil_back(code);
+#if HBIL_GATHER
+        v.rise = hbil_rise_in(code);
+#endif
+        v.nearness = nearness;
+        v.step = outward;
+    }
+    at.back = abs(at.step - v.step);
+}
+
 //@ chunk hbil_walk
 // One walk along a line, towards smaller steps if `down`.
 void hbil_walk(hbil_line l, int lane, int width, bool down, int layer) {
@@ -36,61 +61,42 @@ void hbil_walk(hbil_line l, int lane, int width, bool down, int layer) {
     last.step = -1;
 #if HBIL_GATHER
     vec3 own = vec3(0.0); // its own radiance
-#endif
-#if HBIL_GATHER && !HBIL_FACING_NONE
+#if !HBIL_FACING_NONE
     ivec2 before = ivec2(0);
+#endif
 #if HBIL_FACING_FILTER
     vec3 accepted = vec3(0.0); // the last light that was taken
 #endif
 #endif
     for (int step = down ? steps - 1 : 0; down ? step >= 0 : step < steps; step += way) {
-        int here = lane + hbil_shift(l, step);
-        here = lane - int(floor((float(here) + 0.5) / float(width))) * width;
+        int place = lane + hbil_shift(l, step);
+        int here = lane - int(floor((float(place) + 0.5) / float(width))) * width;
         if (here != start) last.step = -1; // the line has come in again on the other side
         start = here;
         ivec2 p = hbil_pixel(l, start, step);
         if (any(greaterThanEqual(p, HBIL_SIZE))) continue;
-        hbil_vertex v = last;
         float z = hbil_load_depth(p);
         bool surface = z < HBIL_SKY;
         hbil_vertex at;
         at.nearness = hbil_nearness(z);
         at.step = step;
-        at.back = 0;
+        at.back = last.step >= 0 ? abs(step - last.step) : 0; // of the sky: to the last surface
 #if HBIL_GATHER
         at.rise = 0.0;
         at.light = vec3(0.0);
 #endif
-        if (last.step >= 0) {
-#if HBIL_FACING_HALF_SPACE && HBIL_GATHER
+        if (surface && last.step >= 0) {
+#if HBIL_GATHER
+#if HBIL_FACING_HALF_SPACE
             own *= hbil_lit_step(before, last.nearness, p, at.nearness);
-#elif HBIL_FACING_FILTER && HBIL_GATHER
+#elif HBIL_FACING_FILTER
             accepted = mix(accepted, own, hbil_lit_step(before, last.nearness, p, at.nearness));
             own = accepted;
 #endif
-#if HBIL_GATHER
             at.rise = hbil_rise(l, at.nearness, last.nearness);
             at.light = at.rise * own;
 #endif
-            while (surface && v.back != 0) {
-                int outward = v.step - way * v.back;
-                ivec2 q = hbil_pixel(l, start, outward);
-                float nearness = hbil_nearness(hbil_load_depth(q));
-                if (!hbil_steeper(at, v, outward, nearness)) break;
-#if HBIL_GATHER
-                at.rise += v.rise;
-                at.light += v.rise * v.light;
-                v.light = hbil_unpack_radiance(imageLoad(u_swept_light, ivec3(q, layer)).r);
-#endif
-                uint code = imageLoad(u_swept, ivec3(q, layer)).r;
-                v.back = hbil_back(code);
-#if HBIL_GATHER
-                v.rise = hbil_rise_in(code);
-#endif
-                v.nearness = nearness;
-                v.step = outward;
-            }
-            at.back = abs(step - v.step);
+            hbil_jump(l, start, way, layer, last, at);
 #if HBIL_GATHER
             at.light = at.rise > 0.0 ? at.light / at.rise : own;
 #endif

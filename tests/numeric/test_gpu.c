@@ -512,6 +512,39 @@ static void tiny_screens_give_finite_values(void **state)
     }
 }
 
+/* Levers of the sampled march: every pixel is written, and near + ao stays 1. The wedge sends out radiance 1. */
+static void levers_keep_the_furnace_at_any_size(void **state)
+{
+    static const int         sizes[][2] = {{1, 1}, {3, 5}, {15, 40}, {16, 16}, {33, 17}, {70, 45}};
+    static const char *const levers[] = {"interleave=yes", "interleave=yes noise=ign", "mips=mean", "mips=spread", "mips=weighted",
+                                         "mips=nearest", "mips=spread interleave=yes filter=5x5", "gather=packed", "gather=side",
+                                         "gather=side mips=nearest facing=none", "filter=3x3", "mips=mean estimator=bitmask",
+                                         "mips=spread interleave=yes projection=orthographic"};
+    const double             point[3] = {0.1, 0.0, -2.0}, along[3] = {0.0, 1.0, 0.0};
+    const wedge              w = wedge_make(point, along, 1.6, 0.0);
+    double                   worst = 0.0;
+    (void)state;
+    for (size_t k = 0; k < sizeof levers / sizeof *levers; ++k) /* sizes in turn: one compilation each */
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+            bf_camera   camera = centred_camera(sizes[i][0], sizes[i][1], 1.2);
+            hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR};
+            gpu_input   in;
+            gpu_output  out;
+            assert_int_equal(hbil_config_parse(&config, levers[k], strlen(levers[k]), NULL), HBIL_OK);
+            camera.orthographic = config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+            in = wedge_input(&w, &camera);
+            gpu_run(&config, &in, &out);
+            for (int p = 0; p < camera.width * camera.height; ++p) {
+                const double off = fabs((double)out.ao.data[p] + (double)out.near.data[4 * p] - 1.0);
+                if (off > worst) worst = off;
+                assert_true(off <= 1e-3);
+            }
+            gpu_free(&out);
+            free_input(&in);
+        }
+    print_message("near + ao with levers: off by %.1e at most\n", worst);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -523,6 +556,7 @@ int main(void)
         cmocka_unit_test(brute_force_is_near_the_march_over_pixel_centres),
         cmocka_unit_test(double_precision_meets_the_march_in_every_frame),
         cmocka_unit_test(tiny_screens_give_finite_values),
+        cmocka_unit_test(levers_keep_the_furnace_at_any_size),
     };
     return cmocka_run_group_tests_name("numeric.gpu", tests, gpu_open, gpu_close);
 }
