@@ -479,7 +479,7 @@ static void put_taps(page *p, const job *j, const row *r)
     static hbil_plan plan;
 
     make_plan(j, r->config, &j->caps[0], &plan);
-    if (strstr(r->config, "march=sweep")) put(p, " - |"); /* columns of the sweep are shared by pixels */
+    if (plan.config.march == HBIL_MARCH_SWEEP) put(p, " - |"); /* columns of the sweep are shared by pixels */
     else put(p, " %d |", 2 * plan.config.slices * plan.config.steps);
 }
 

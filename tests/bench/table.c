@@ -167,7 +167,7 @@ static void measure(const hbil_plan *plan, const image *out, const capture *cap,
 {
     const image *ao = output(plan, out, "ao"), *near = output(plan, out, "near"), *far = output(plan, out, "far");
 
-    to->taps = 2 * plan->config.slices * plan->config.steps;
+    to->taps = 2 * plan->config.slices * (plan->config.march == HBIL_MARCH_SWEEP ? 1 : plan->config.steps);
     to->ao[SCENE] = compare(ao, &cap->truth_ao, NULL, cap, 0);
     to->ao[HEIGHT_FIELD] = compare(ao, &cap->hf_ao, &cap->hf_valid, cap, 0);
     to->near[SCENE] = compare(near, &cap->truth_near, NULL, cap, 1);
@@ -294,7 +294,7 @@ static void put_notes(page *p, const job *j)
            "  solid; for far %d rays on every %dth pixel. The environment is the captures' sky.\n", RAYS, STRIDE);
     put(p, "- Every preset computes ao, near and far, but `hbao` and `hbao_plus` no near; `f0=none`. Its `reach` and "
            "`ao_exponent`\n  are in its error: the truths know neither.\n"
-           "- taps: 2 slices * steps, depth samples a pixel. ms: median of %d frames, mean of the captures, or one\n"
+           "- taps: 2 slices * steps, depth samples a pixel; 2 slices of a sweep. ms: median of %d frames, mean of the captures, or one\n"
            "  run where that takes long; Mesa's software rasterisers, no GPU.\n"
            "- **bold**: an article's arithmetic has at least %.0f %% more error than ours with the same samples.\n\n",
         RUNS, 100.0 * (WORSE - 1.0));
