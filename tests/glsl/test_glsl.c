@@ -416,6 +416,20 @@ static const absence absences[] = {
     { "outputs=ao dynamic=slices+steps+exponent+bias+pull", "outputs=ao", "",
       "HBIL_SLICES HBIL_STEPS HBIL_EXPONENT HBIL_BIAS HBIL_PULL", ARITHMETIC },
     { "outputs=ao", "outputs=ao noise=none", "", "HBIL_FRAME_INDEX", ARITHMETIC },
+    /* the sweep and the levers */
+    { "outputs=ao march=sweep", "outputs=ao", "swept", "", INSTEAD },
+    { "outputs=ao+near march=sweep", "outputs=ao march=sweep", "near radiance view_radiance swept_light", "", FETCHES },
+    { "outputs=ao+near march=sweep facing=half_space", "outputs=ao+near march=sweep", "", "", FETCHES },
+    { "outputs=ao march=sweep slices=4 sweep_stride=3", "outputs=ao march=sweep slices=4", "", "", ARITHMETIC },
+    { "outputs=ao+near march=both estimator=bitmask reach=1", "outputs=ao+near estimator=bitmask reach=1",
+      "swept swept_light view_radiance", "", FETCHES },
+    { "outputs=ao mips=spread", "outputs=ao mips=mean", "", "", ARITHMETIC },
+    { "outputs=ao mips=mean", "outputs=ao", "depth_mips", "", FETCHES },
+    { "outputs=ao+near mips=mean", "outputs=ao mips=mean", "near radiance view_radiance radiance_mips", "", FETCHES },
+    { "outputs=ao interleave=yes", "outputs=ao", "", "", INSTEAD }, /* another noise */
+    { "outputs=near gather=packed", "outputs=near", "view_radiance", "", FETCHES },
+    { "outputs=ao filter=3x3", "outputs=ao", "raw_ao", "", FETCHES },
+    { "outputs=ao+near+bent filter=5x5", "outputs=ao+near+bent", "raw_ao raw_near raw_bent", "", FETCHES },
     /* inputs */
     { "outputs=ao depth=device", "outputs=ao", "", "HBIL_DEPTH_TO_VIEW", ARITHMETIC },
     { "outputs=ao dynamic=sky_depth", "outputs=ao", "", "HBIL_SKY_DEPTH", ARITHMETIC },
