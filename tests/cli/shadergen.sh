@@ -64,7 +64,7 @@ check 'lists a preset' grep -q '^  fast ' out.txt
 expect 0 --explain reach
 check 'explains it' grep -q '^  unit *m$' out.txt
 expect 0 --list-presets
-check 'lists what a preset sets' grep -q '^ *slices=2 steps=4$' out.txt
+check 'lists what a preset sets' grep -q '^ *march=sweep slices=2 sweep_stride=3 filter=3x3$' out.txt
 presets=$(sed -n 's/^  \([a-z_][a-z_]*\) .*/\1/p' out.txt)
 check 'lists all the presets of --list-options' test "$("$bin" --list-options | sed -n '/^presets:/,$s/^  \([a-z_][a-z_]*\) .*/\1/p')" = "$presets"
 for preset in $presets; do
