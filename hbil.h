@@ -109,7 +109,8 @@
  *   screen, both ways, and keeps the hull of what it passed: each pixel gets its exact horizon over the whole screen for one
  *   depth load and about two hull steps a side, and the mean radiance of what stands below it. Solid height field only: no reach, falloff,
  *   thickness. Its directions are the same everywhere; sweep_stride=3 gives the pixels of each 3x3 block others, which filter=3x3 gathers.
- *   The sweep's walks are serial: a GPU has (width + height) * slices * 2 of them in flight, and two r32ui layers a slice to hold.
+ *   The sweep's walks are serial: a GPU has (width + height) * slices of them in flight, and two r32ui layers a
+ *   slice to hold, four with light.
  *   Costs: a sample is one depth load; near light adds one of radiance per rise (and one normal with facing), sh four accumulators per
  *   channel, bent and sh of a bitmask an inverse per run of sectors, far light of SH nothing but arithmetic in its own pass.
  *

@@ -700,7 +700,7 @@ static double apart(const gpu_input *in, const image *sweeps, const char *reach,
     double     count = 0.0, sum = 0.0;
     char       text[CONFIG];
     gpu_output both;
-    snprintf(text, sizeof text, "outputs=ao march=both estimator=bitmask occluder=height_field steps=64 falloff=.01 slices=4 reach=%s",
+    snprintf(text, sizeof text, "outputs=ao march=both estimator=bitmask occluder=height_field steps=64 slices=4 reach=%s",
              reach);
     run(text, in, &both);
     *bias = 0.0;
