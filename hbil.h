@@ -5123,8 +5123,11 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
     if (c.sweep_stride > 1 && c.slices % 2) {
-        hbil__say(diags, HBIL_ERROR, hbil_option_find("sweep_stride", 12, NULL), "sweep_stride: half of the slices lie along x, half along y; slices must be even",
-                  c.slices > 1 ? "; set slices=4" : "; set slices=2");
+        hbil__sink s;
+        hbil__report(diags, HBIL_ERROR, hbil_option_find("sweep_stride", 12, NULL), &s);
+        hbil__puts(&s, "sweep_stride: half of the slices lie along x, half along y, so they must be even; set slices=");
+        hbil__put_int(&s, c.slices + 1);
+        hbil__sink_close(&s, NULL);
         result = HBIL_E_CONFIG;
     }
     if (!hbil__check_dynamic(&c, diags) || !hbil__check_combination(&c, diags)) result = HBIL_E_CONFIG;
