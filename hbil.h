@@ -17,7 +17,7 @@
  *             hbil_emit_glsl(&plan, i, text, sizeof text, NULL);
  *
  * CONTENTS     search for the anchors
- *   >>does  >>steps  >>switches  >>conventions  >>outputs  >>methods  >>promises  >>targets      the manual
+ *   >>does  >>steps  >>switches  >>conventions  >>outputs  >>methods  >>frames  >>promises  >>targets      the manual
  *   >>api                                                                 declarations
  *   >>tables  >>glsl  >>sink  >>words  >>config  >>filter  >>plan  >>emit  >>manifest  >>frame  >>public   implementation
  *
@@ -37,7 +37,8 @@
  *   2. hbil_plan_build. On HBIL_E_CONFIG the diagnostics name each option, its value and the legal range.
  *   3. For each texture of the plan that is TRANSIENT or HISTORY: make it (format, hbil_plan_extent, copies). INPUT and
  *      OUTPUT are yours. For each pass: hbil_emit_glsl, compile, make a pipeline.
- *   4. Each frame: fill hbil_frame, hbil_pack_constants into a uniform buffer, hbil_plan_frame for the group counts.
+ *   4. Each frame: fill hbil_frame, hbil_pack_constants into a uniform buffer, hbil_plan_frame for the group counts. A plan with
+ *      HISTORY textures wants last frame's camera, and reset=1 in its first frame.
  *   5. For each pass, in order: wait as its barriers say, bind its bindings by slot, dispatch.
  *   backends/hbil_vk.h and hbil_gl.h do steps 3 to 5 as they stand; backends/hbil_null.h proves a plan that you edited.
  *
@@ -115,6 +116,29 @@
  *   channel, bent and sh of a bitmask an inverse per run of sectors, far light of SH nothing but arithmetic in its own pass.
  *
  * ======================================================================================================================
+ * >>frames    what a march becomes over pixels and frames. Each option works without the others; all off leave the bare march
+ *
+ *   downscale     2 or 4: one pixel is marched for each block. Where the middle of a block is plane, that plane is taken exactly at
+ *                 the middle; elsewhere blocks take the nearest and the farthest surface in turns. Each pixel then interpolates
+ *                 the four around it that are near its tangent plane and of like normal. Sizes need not divide.
+ *   filter        3x3 or 5x5 neighbours of the same surface; filter_passes 2 and 3 with gaps of 1 and 3 pixels (a-trous). All outputs
+ *                 alike. With one slice the sums are filtered and divided afterwards. With temporal=yes it narrows as frames add up.
+ *   temporal      running mean over at most `history` frames, per pixel and surface. rectify holds it to what this frame's 3x3
+ *                 pixels could have made. A pixel whose surface was not seen begins anew. Noise advances with frame.index: hilbert_r2
+ *                 does not repeat in 2^32 frames, ign after 61, which no jitter of 8, 16 or 32 divides.
+ *   bounces       recursive: the march's radiance is u_radiance + albedo * last frame's near and far light. albedo * near_intensity counts
+ *                 as .95 at most: light dies out. Give facing=half_space or filter with it: light of surfaces that face away adds up.
+ *   reproject     camera: where both cameras say; nothing else may move. gather: where u_motion says. scatter: last frame's pixels are
+ *                 projected into this frame, the nearest stays (imageAtomicMin); holes get no history, and light from coarser levels.
+ *                 In all of them a pixel of last frame counts if it lies within 1 % of its depth of the tangent plane.
+ *   storage       half: rgba16f between passes and frames. arithmetic=half: mediump in filter and upsampling.
+ *   history       is yours to reset: frame.reset at a cut. The backends do so after a resize. Several views: one instance of a backend
+ *                 each. Dynamic resolution: textures of the largest size, frame.width and .height per frame, last_width and
+ *                 last_height beside them. Depths and light in it that are no finite numbers count as absent.
+ *   order         prepare, shrink, scatter, claim, push, reproject, mips, sweep, march, temporal, filter, filter_2, filter_3, upsample,
+ *                 light: those that the config needs.
+ *
+ * ======================================================================================================================
  * >>promises
  *
  *   memory     none is taken. Everything lives in your structs and buffers; a plan is plain data below 8 KB, without pointers.
@@ -133,6 +157,7 @@
  *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
  *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
  *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
+ *                       reproject=scatter: imageAtomicMin on r32ui images
  *   storage images      up to 6 in a pass (all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
  *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
  *   real GPU            untested                 untested
@@ -189,6 +214,12 @@ typedef enum hbil_mips { HBIL_MIPS_NONE = 1, HBIL_MIPS_MEAN, HBIL_MIPS_SPREAD, H
 typedef enum hbil_interleave { HBIL_INTERLEAVE_NO = 1, HBIL_INTERLEAVE_YES } hbil_interleave;
 typedef enum hbil_gather { HBIL_GATHER_RISE = 1, HBIL_GATHER_PACKED, HBIL_GATHER_SIDE } hbil_gather;
 typedef enum hbil_filter { HBIL_FILTER_NONE = 1, HBIL_FILTER_3X3, HBIL_FILTER_5X5 } hbil_filter;
+typedef enum hbil_temporal { HBIL_TEMPORAL_NO = 1, HBIL_TEMPORAL_YES } hbil_temporal;
+typedef enum hbil_rectify { HBIL_RECTIFY_VARIANCE = 1, HBIL_RECTIFY_RANGE, HBIL_RECTIFY_NONE } hbil_rectify;
+typedef enum hbil_bounces { HBIL_BOUNCES_ONE = 1, HBIL_BOUNCES_RECURSIVE } hbil_bounces;
+typedef enum hbil_reproject { HBIL_REPROJECT_CAMERA = 1, HBIL_REPROJECT_GATHER, HBIL_REPROJECT_SCATTER } hbil_reproject;
+typedef enum hbil_storage { HBIL_STORAGE_FULL = 1, HBIL_STORAGE_HALF } hbil_storage;
+typedef enum hbil_arithmetic { HBIL_ARITHMETIC_FULL = 1, HBIL_ARITHMETIC_HALF } hbil_arithmetic;
 typedef enum hbil_facing { HBIL_FACING_NONE = 1, HBIL_FACING_FILTER, HBIL_FACING_HALF_SPACE } hbil_facing;
 typedef enum hbil_environment { HBIL_ENVIRONMENT_NONE = 1, HBIL_ENVIRONMENT_CONSTANT, HBIL_ENVIRONMENT_SH, HBIL_ENVIRONMENT_CUBE,
     HBIL_ENVIRONMENT_PROBES, HBIL_ENVIRONMENT_HOOK } hbil_environment;
@@ -209,20 +240,24 @@ typedef enum hbil_seed_compat { HBIL_SEED_COMPAT_SCREEN_AZIMUTH = 0x1, HBIL_SEED
     HBIL_SEED_COMPAT_CONE_RELATION = 0x10, HBIL_SEED_COMPAT_F0_AO = 0x20 } hbil_seed_compat;
 typedef enum hbil_dynamic { HBIL_DYNAMIC_SLICES = 0x1, HBIL_DYNAMIC_STEPS = 0x2, HBIL_DYNAMIC_EXPONENT = 0x4, HBIL_DYNAMIC_REACH = 0x8,
     HBIL_DYNAMIC_FALLOFF = 0x10, HBIL_DYNAMIC_THICKNESS = 0x20, HBIL_DYNAMIC_DECAY = 0x40, HBIL_DYNAMIC_BIAS = 0x80,
-    HBIL_DYNAMIC_ANGLE_BIAS = 0x100, HBIL_DYNAMIC_MULTIPLIER = 0x200, HBIL_DYNAMIC_PULL = 0x400, HBIL_DYNAMIC_FIREFLY = 0x800,
-    HBIL_DYNAMIC_NEAR_INTENSITY = 0x1000, HBIL_DYNAMIC_FAR_INTENSITY = 0x2000, HBIL_DYNAMIC_AO_EXPONENT = 0x4000, HBIL_DYNAMIC_ROUGHNESS = 0x8000,
-    HBIL_DYNAMIC_SKY_DEPTH = 0x10000 } hbil_dynamic;
-typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R32UI, HBIL_FORMAT_RGBA32F, HBIL_FORMAT_COUNT } hbil_format;
+    HBIL_DYNAMIC_ANGLE_BIAS = 0x100, HBIL_DYNAMIC_MULTIPLIER = 0x200, HBIL_DYNAMIC_PULL = 0x400, HBIL_DYNAMIC_HISTORY = 0x800,
+    HBIL_DYNAMIC_FIREFLY = 0x1000, HBIL_DYNAMIC_NEAR_INTENSITY = 0x2000, HBIL_DYNAMIC_FAR_INTENSITY = 0x4000, HBIL_DYNAMIC_AO_EXPONENT = 0x8000,
+    HBIL_DYNAMIC_ROUGHNESS = 0x10000, HBIL_DYNAMIC_SKY_DEPTH = 0x20000 } hbil_dynamic;
+typedef enum hbil_format { HBIL_FORMAT_ANY = 1, HBIL_FORMAT_R32F, HBIL_FORMAT_R32UI, HBIL_FORMAT_RGBA32F, HBIL_FORMAT_RGBA16F, HBIL_FORMAT_COUNT } hbil_format;
 /* >>gen enums */
 
 /* How a pass touches a texture. SAMPLE: texelFetch through a sampler. WRITE: image store, never read in that pass but
- * for what hbil_binding.update says. */
+ * for HBIL_ROLE_UPDATE. */
 typedef enum hbil_access { HBIL_ACCESS_SAMPLE = 1, HBIL_ACCESS_WRITE = 2 } hbil_access;
+/* What the text calls a binding: SAMPLE, WRITE: u_<texture>. UPDATE: that too; written, and read by imageLoad or atomics in the same
+ * pass. LAST: u_last_<texture>, sampled, age 1. FROM: u_from, sampled. TO: u_to, written. */
+typedef enum hbil_role { HBIL_ROLE_SAMPLE = 1, HBIL_ROLE_WRITE, HBIL_ROLE_UPDATE, HBIL_ROLE_LAST, HBIL_ROLE_FROM,
+                         HBIL_ROLE_TO, HBIL_ROLE_COUNT } hbil_role;
 /* Whose a texture is. INPUT, OUTPUT: yours. TRANSIENT: garbage between frames, may alias. HISTORY: survives frames. */
 typedef enum hbil_life { HBIL_LIFE_INPUT = 1, HBIL_LIFE_OUTPUT, HBIL_LIFE_TRANSIENT, HBIL_LIFE_HISTORY } hbil_life;
-/* Type of a member of the uniform block. MAT3 is three vec4 columns (std140); VEC4X4 and VEC4X5 are arrays of 4 and 5 vec4. */
+/* Type of a member of the uniform block. MAT3 is three vec4 columns (std140); VEC4X3 to VEC4X5 are arrays of vec4. */
 typedef enum hbil_type { HBIL_TYPE_INT = 1, HBIL_TYPE_UINT, HBIL_TYPE_FLOAT, HBIL_TYPE_VEC2, HBIL_TYPE_IVEC2,
-                         HBIL_TYPE_VEC4, HBIL_TYPE_MAT3, HBIL_TYPE_VEC4X4, HBIL_TYPE_VEC4X5 } hbil_type;
+                         HBIL_TYPE_VEC4, HBIL_TYPE_MAT3, HBIL_TYPE_VEC4X3, HBIL_TYPE_VEC4X4, HBIL_TYPE_VEC4X5 } hbil_type;
 /* Shape of a texture. 2D_ARRAY has `layers` layers. CUBE and 3D are read with a linear, clamping sampler at level 0, all others by
  * texelFetch. */
 typedef enum hbil_dim { HBIL_DIM_2D = 1, HBIL_DIM_2D_MULTISAMPLE, HBIL_DIM_2D_ARRAY, HBIL_DIM_CUBE, HBIL_DIM_3D } hbil_dim;
@@ -285,8 +320,26 @@ typedef struct hbil_config {
     int32_t interleave;
     /* radiance is read at each rise; the same, packed to 32 bits; once per side, where its horizon is, packed. {rise, packed, side}, default rise. baked. source: project */
     int32_t gather;
-    /* mean of ao, near light and bent vector over the neighbours on the same surface: near the tangent plane. {none, 3x3, 5x5}, default none. baked. source: project */
+    /* mean over the neighbours on the same surface: near the tangent plane and of like normal. {none, 3x3, 5x5}, default none. baked. source: project */
     int32_t filter;
+    /* passes of the filter, a-trous: each with gaps twice as wide as the one before. count, [1, 3], default 1. baked. source: Dammertz 2010 */
+    int32_t filter_passes;
+    /* running mean with the frames before, where the same surface was seen. {no, yes}, default no. baked. source: project, Schied 2017 */
+    int32_t temporal;
+    /* frames that the running mean remembers, at most. frames, [2, 63], default 16. baked or dynamic. source: DiligentFX */
+    int32_t history;
+    /* history is held to what this frame sees in 3x3 pixels: mean and deviation; least and greatest value; not. {variance, range, none}, default variance. baked. source: Salvi 2016, Karis 2014 */
+    int32_t rectify;
+    /* near light is of u_radiance; or also of what the surfaces reflected of last frame's near and far light. {one, recursive}, default one. baked. source: Mayaux 2018 sec. 3.2 */
+    int32_t bounces;
+    /* where a pixel was last frame: by both cameras; by u_motion; by last frame's pixels, each projected into this one. {camera, gather, scatter}, default camera. baked. source: YPipeline HBIL article, Mayaux 2018 sec. 3.2 */
+    int32_t reproject;
+    /* march one pixel for each block of 1, 2x2 or 4x4 pixels, and interpolate on the same surface. 1, [1, 4], default 1. baked. source: project, three-gtvbao */
+    int32_t downscale;
+    /* numbers between march, filters and frames: rgba32f, or rgba16f. {full, half}, default full. baked. source: project */
+    int32_t storage;
+    /* what filter and interpolation add up: float, or mediump, which devices with half floats make use of. {full, half}, default full. baked. source: project */
+    int32_t arithmetic;
     /* light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source. {none, filter, half_space}, default none. baked. source: Mayaux 2018 sec. 3.4, GT-VBGI */
     int32_t facing;
     /* largest channel of a radiance, scaled down with its hue kept; 0 is only the limit of 60000 per channel. radiance, [0.001, 60000], default 0. baked or dynamic. source: SSRT3 */
@@ -335,7 +388,7 @@ typedef struct hbil_config {
     int32_t height;
     /* arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao). {screen_azimuth, slice_mean, noise_2pi, uniform_bent, cone_relation, f0_ao}, default none. baked. source: YPipeline HBIL article, Mayaux 2018 */
     uint32_t seed_compat;
-    /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, thickness, decay, bias, angle_bias, multiplier, pull, firefly, near_intensity, far_intensity, ao_exponent, roughness, sky_depth}, default none. baked. source: project */
+    /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, thickness, decay, bias, angle_bias, multiplier, pull, history, firefly, near_intensity, far_intensity, ao_exponent, roughness, sky_depth}, default none. baked. source: project */
     uint32_t dynamic;
     /* >>gen config */
     uint32_t guard_end;     /* leave 0 */
@@ -365,7 +418,7 @@ typedef struct hbil_diags {
 } hbil_diags;
 
 #define HBIL_MAX_TEXTURES  32
-#define HBIL_MAX_PASSES    12
+#define HBIL_MAX_PASSES    16
 #define HBIL_MAX_BINDINGS  18
 #define HBIL_MAX_CONSTANTS 32
 #define HBIL_GLSL_MAX      65536 /* bytes of the text of one pass, at most */
@@ -377,7 +430,7 @@ typedef struct hbil_texture {
     uint16_t life;          /* hbil_life */
     uint16_t div;           /* size = ceil(render size / div) */
     uint16_t mips;          /* >= 1 */
-    uint16_t copies;        /* 1; more for HISTORY: copy (frame index + copies - age) mod copies */
+    uint16_t copies;        /* 1; more for HISTORY: in your n-th frame copy (n + copies - age) mod copies */
     uint16_t dim;           /* hbil_dim. CUBE and 3D have a size of your own */
     uint16_t layers;        /* 1; more for 2D_ARRAY */
     uint16_t reserved;
@@ -389,7 +442,7 @@ typedef struct hbil_binding {
     uint8_t  access;        /* hbil_access */
     uint8_t  age;           /* 0: this frame's copy, 1: last frame's */
     uint8_t  mip;           /* level written */
-    uint8_t  update;        /* 1: WRITE, and an invocation reads back what it has written itself in this pass */
+    uint8_t  role;          /* hbil_role */
 } hbil_binding;
 
 /* Before this pass: earlier accesses of `before` kind to the texture must be finished and visible to `after`.
@@ -444,6 +497,9 @@ typedef struct hbil_frame {
     float    far_sh[9][3];  /* environment=sh: radiance by [l*l+l+m], world space. Y00 .282095, Y1-1 Y10 Y11 .488603 y z x,
                                Y2-2 Y2-1 Y21 1.092548 xy yz xz, Y20 .315392 (3zz-1), Y22 .546274 (xx-yy). order 1 reads four */
     float    probe_origin[3], probe_step[3]; /* environment=probes: probe (i, j, k) stands at origin + step * (i, j, k). m, world */
+    float    last_projection[16], last_view[16]; /* projection and view of the last frame. Read with bounces=recursive, temporal=yes */
+    uint32_t last_width, last_height; /* its render size; 0: as now */
+    uint32_t reset;         /* 1: there is no last frame, or it shows something else: the first one, a camera cut */
     const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored. 0: as in the plan */
 } hbil_frame;
 
@@ -665,10 +721,55 @@ static const hbil_option hbil__options[] = {
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, gather), 1, 3, 1 },
     { "filter", "", "none 3x3 5x5",
-      "HBIL_AO || HBIL_NEAR_LIGHT || HBIL_BENT",
-      "mean of ao, near light and bent vector over the neighbours on the same surface: near the tangent plane",
+      "",
+      "mean over the neighbours on the same surface: near the tangent plane and of like normal",
       "project",
       HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, filter), 1, 3, 1 },
+    { "filter_passes", "count", "",
+      "!HBIL_FILTER_NONE",
+      "passes of the filter, a-trous: each with gaps twice as wide as the one before",
+      "Dammertz 2010",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, filter_passes), 1, 3, 1 },
+    { "temporal", "", "no yes",
+      "",
+      "running mean with the frames before, where the same surface was seen",
+      "project, Schied 2017",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, temporal), 1, 2, 1 },
+    { "history", "frames", "",
+      "HBIL_TEMPORAL_YES",
+      "frames that the running mean remembers, at most",
+      "DiligentFX",
+      HBIL_KIND_INT, HBIL_DYNAMIC_HISTORY, (uint32_t)offsetof(hbil_config, history), 2, 63, 16 },
+    { "rectify", "", "variance range none",
+      "HBIL_TEMPORAL_YES",
+      "history is held to what this frame sees in 3x3 pixels: mean and deviation; least and greatest value; not",
+      "Salvi 2016, Karis 2014",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, rectify), 1, 3, 1 },
+    { "bounces", "", "one recursive",
+      "HBIL_NEAR_LIGHT",
+      "near light is of u_radiance; or also of what the surfaces reflected of last frame's near and far light",
+      "Mayaux 2018 sec. 3.2",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, bounces), 1, 2, 1 },
+    { "reproject", "", "camera gather scatter",
+      "HBIL_TEMPORAL_YES || HBIL_BOUNCES_RECURSIVE",
+      "where a pixel was last frame: by both cameras; by u_motion; by last frame's pixels, each projected into this one",
+      "YPipeline HBIL article, Mayaux 2018 sec. 3.2",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, reproject), 1, 3, 1 },
+    { "downscale", "1", "",
+      "",
+      "march one pixel for each block of 1, 2x2 or 4x4 pixels, and interpolate on the same surface",
+      "project, three-gtvbao",
+      HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, downscale), 1, 4, 1 },
+    { "storage", "", "full half",
+      "HBIL_STAGED",
+      "numbers between march, filters and frames: rgba32f, or rgba16f",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, storage), 1, 2, 1 },
+    { "arithmetic", "", "full half",
+      "!HBIL_FILTER_NONE || HBIL_COARSE",
+      "what filter and interpolation add up: float, or mediump, which devices with half floats make use of",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, arithmetic), 1, 2, 1 },
     { "facing", "", "none filter half_space",
       "HBIL_GATHER",
       "light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source",
@@ -789,11 +890,11 @@ static const hbil_option hbil__options[] = {
       "arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao)",
       "YPipeline HBIL article, Mayaux 2018",
       HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, seed_compat), 0, 63, 0 },
-    { "dynamic", "", "slices steps exponent reach falloff thickness decay bias angle_bias multiplier pull firefly near_intensity far_intensity ao_exponent roughness sky_depth",
+    { "dynamic", "", "slices steps exponent reach falloff thickness decay bias angle_bias multiplier pull history firefly near_intensity far_intensity ao_exponent roughness sky_depth",
       "",
       "options kept as uniforms that may change from frame to frame; all others are literals in the text",
       "project",
-      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 131071, 0 },
+      HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, dynamic), 0, 262143, 0 },
 };
 static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "SWEPT", "HBIL_MARCH_SWEEP || HBIL_MARCH_BOTH" }, /* lines of the whole screen are swept */
@@ -801,9 +902,11 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "COSINE", "HBIL_ESTIMATOR_HORIZON || HBIL_ESTIMATOR_BITMASK" }, /* cosine-weighted estimators: near + ao = 1 */
     { "NEAR_LIGHT", "HBIL_OUTPUTS_NEAR || ((HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE) && HBIL_COSINE)" }, /* u_near is written */
     { "GATHER", "HBIL_NEAR_LIGHT || HBIL_OUTPUTS_SH" }, /* the march reads radiance */
-    { "FILTER", "!HBIL_FILTER_NONE" }, /* the march writes raw textures, which the pass filter reads */
+    { "COARSE", "!HBIL_DOWNSCALE_1" }, /* the march has fewer pixels than the frame */
+    { "STAGED", "!HBIL_FILTER_NONE || HBIL_TEMPORAL_YES || HBIL_COARSE" }, /* the march writes u_raw, which later passes make outputs of */
+    { "SUMMED", "HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE || HBIL_BOUNCES_RECURSIVE" }, /* near and far light are added up */
     { "MIPS", "!HBIL_MIPS_NONE" }, /* the pass mips is there */
-    { "PACKED", "HBIL_GATHER && (HBIL_SWEPT || !HBIL_GATHER_RISE || !HBIL_MIPS_NONE)" }, /* u_view_radiance is written */
+    { "PACKED", "HBIL_GATHER && (HBIL_SWEPT || !HBIL_GATHER_RISE || !HBIL_MIPS_NONE || HBIL_BOUNCES_RECURSIVE || HBIL_COARSE)" }, /* u_view_radiance is written */
     { "MEAN_LIGHT", "HBIL_GATHER && (HBIL_MARCH_SWEEP || HBIL_GATHER_SIDE || HBIL_OCCLUDER_HEURISTIC)" }, /* a side has one radiance, the mean of what it sees */
     { "FAR_LIGHT", "!HBIL_ENVIRONMENT_NONE" }, /* far light is computed */
     { "FAR_SH", "HBIL_ENVIRONMENT_SH || HBIL_ENVIRONMENT_PROBES" }, /* the environment is spherical harmonics */
@@ -818,6 +921,10 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "VISIBILITY", "HBIL_AO || (HBIL_BENT && !HBIL_AO_EXPONENT_1)" }, /* the march needs ao as a number */
     { "RATIO", "HBIL_COSINE && !HBIL_SEED_COMPAT_SLICE_MEAN && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_OUTPUTS_SH || HBIL_FAR_BITS)" }, /* sums are divided by the light of an open sky in the same slices */
     { "SUMS", "HBIL_COSINE && (HBIL_RATIO || HBIL_VISIBILITY)" }, /* light of an open sky and its blocked part are added up */
+    { "DEFER", "HBIL_STAGED && HBIL_RATIO && HBIL_SLICES_1" }, /* one slice: the ratio of its sums is biased, so that they are divided after the filters */
+    { "LIGHT_LAYER", "HBIL_VISIBILITY || HBIL_NEAR_LIGHT" }, /* layer of a signal: rgb near light, a ao */
+    { "BENT_LAYER", "HBIL_BENT || HBIL_DEFER" }, /* layer of a signal: xyz bent vector, a light of an open sky */
+    { "FAR_LAYER", "HBIL_FAR_BITS || HBIL_OUTPUTS_UNIFORM_AO" }, /* layer of a signal: rgb far light, a uniform ao */
     { "SPANS", "HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* sectors are turned back into directions */
 };
 static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
@@ -837,8 +944,8 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "horizons of a sweep cannot sink", "occluder=height_field" },
     { "HBIL_SWEPT && HBIL_DYNAMIC_SLICES",
       "each slice of a sweep is two layers of a texture, which no uniform can add", "dynamic=none" },
-    { "!HBIL_FILTER_NONE && (HBIL_OUTPUTS_SH || HBIL_OUTPUTS_UNIFORM_AO || HBIL_FAR_BITS)",
-      "the filter knows ao, near light and the bent vector only", "filter=none" },
+    { "HBIL_DOWNSCALE_3",
+      "blocks have 1, 2 or 4 pixels a side", "downscale=2" },
     { "HBIL_OUTPUTS_NEAR && !HBIL_COSINE",
       "near light needs an estimator of cosine-weighted arcs; hbao and hbao_plus have none", "outputs=ao" },
     { "HBIL_OUTPUTS_SH && !HBIL_COSINE",
@@ -871,12 +978,12 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
 };
 static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
-    { 48, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
-    { 48, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
-    { 48, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
-    { 48, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
-    { 48, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
-    { 48, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
+    { 57, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
+    { 57, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 57, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 57, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 57, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 57, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
     { "fast", "whole screen at the price of two swept slices; a third of their error, by the filter",
@@ -940,7 +1047,7 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
       "ao_exponent=2: NVIDIA HBAO+, GFSDK_SSAO.h: PowerExponent 2\n"
       "noise=hilbert_r2: project: HBAO+ has a 4x4 random texture\n" },
     { "gtao", "cosine arcs, sinking horizons, multi-bounce ao, specular occlusion",
-      "outputs=ao+specular_occlusion+multi_bounce estimator=horizon slices=4 steps=4 spacing=power exponent=1 sampling=nearest reach=1 falloff=0.615 occluder=heuristic decay=0.1 bounce=cubic ao_exponent=1 noise=hilbert_r2",
+      "outputs=ao+specular_occlusion+multi_bounce estimator=horizon slices=4 steps=4 spacing=power exponent=1 sampling=nearest reach=1 falloff=0.615 occluder=heuristic decay=0.1 bounce=cubic ao_exponent=1 noise=hilbert_r2 filter=5x5 temporal=yes",
       "outputs=ao+specular_occlusion+multi_bounce: Jimenez 2016: GTAO, multi-bounce, GTSO\n"
       "estimator=horizon: HBAO + GTAO article, GTAO: Integral\n"
       "slices=4: HBAO + GTAO article, GTAO: Noise, NUM_DIRECTIONS 4\n"
@@ -954,9 +1061,11 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
       "decay=0.1: project: inside 0.03 .. 0.15 of open implementations\n"
       "bounce=cubic: Jimenez 2016: multi-bounce fit\n"
       "ao_exponent=1: project: no power in the article\n"
-      "noise=hilbert_r2: XeGTAO; Jimenez 2016 has a 4x4 pattern\n" },
+      "noise=hilbert_r2: XeGTAO; Jimenez 2016 has a 4x4 pattern\n"
+      "filter=5x5: Jimenez 2016: spatial filter, of 4x4\n"
+      "temporal=yes: Jimenez 2016; HBAO + GTAO article, GTAO: Noise, Temporal Filter\n" },
     { "hbil_paper", "near light, bent cone and SH environment of Mayaux 2018",
-      "outputs=ao+cone+near+far+composite estimator=horizon slices=2 steps=8 spacing=power exponent=1 sampling=nearest reach=4 falloff=0.01 occluder=height_field facing=filter f0=scalar near_intensity=1 far_intensity=1 ao_exponent=1 environment=sh sh_order=2 far_visibility=cone noise=hilbert_r2",
+      "outputs=ao+cone+near+far+composite estimator=horizon slices=2 steps=8 spacing=power exponent=1 sampling=nearest reach=4 falloff=0.01 occluder=height_field facing=filter bounces=recursive reproject=scatter interleave=yes f0=scalar near_intensity=1 far_intensity=1 ao_exponent=1 environment=sh sh_order=2 far_visibility=cone noise=hilbert_r2",
       "outputs=ao+cone+near+far+composite: Mayaux 2018 sec. 2.2, 2.3, eq. 17\n"
       "estimator=horizon: Mayaux 2018 sec. 2.3.2, eq. 18\n"
       "slices=2: Mayaux 2018 sec. 3.3, 3.5: 2 slices per pixel\n"
@@ -968,6 +1077,9 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
       "falloff=0.01: project: Mayaux 2018 has none; the least we have\n"
       "occluder=height_field: Mayaux 2018 sec. 1, fig. 3\n"
       "facing=filter: Mayaux 2018 sec. 3.4\n"
+      "bounces=recursive: Mayaux 2018 eq. 17: radiance of frame N - 1\n"
+      "reproject=scatter: Mayaux 2018 sec. 3.2: forward reprojection, push/pull\n"
+      "interleave=yes: Mayaux 2018 sec. 3.3: 4x4 split buffers\n"
       "f0=scalar: Mayaux 2018 sec. 2.3.3, eq. 19; sec. 3.1: luminance\n"
       "near_intensity=1: Mayaux 2018 eq. 17: no factor\n"
       "far_intensity=1: Mayaux 2018 eq. 17: no factor\n"
@@ -977,7 +1089,7 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
       "far_visibility=cone: Mayaux 2018 sec. 2.2.4: reduced cone\n"
       "noise=hilbert_r2: project: Mayaux 2018 sec. 3.3 rotates in 4x4 pixels\n" },
     { "hbil_screen", "near light of the whole screen, probe light behind it: YPipeline",
-      "outputs=ao+near+far+composite estimator=horizon slices=3 steps=6 spacing=power exponent=1.5 sampling=nearest reach=0 occluder=height_field facing=none f0=none near_intensity=1 far_intensity=1 ao_exponent=0.75 environment=sh sh_order=2 far_visibility=direction noise=hilbert_r2",
+      "outputs=ao+near+far+composite estimator=horizon slices=3 steps=6 spacing=power exponent=1.5 sampling=nearest reach=0 occluder=height_field facing=none bounces=recursive reproject=gather temporal=yes filter=5x5 downscale=2 f0=none near_intensity=1 far_intensity=1 ao_exponent=0.75 environment=sh sh_order=2 far_visibility=direction noise=hilbert_r2",
       "outputs=ao+near+far+composite: project: the article stores near + far only\n"
       "estimator=horizon: YPipeline HBIL article, Slice integral\n"
       "slices=3: YPipeline HBIL article, Results: Direction Count 3\n"
@@ -988,6 +1100,11 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
       "reach=0: YPipeline HBIL article, Range of influence\n"
       "occluder=height_field: YPipeline HBIL article, Full code: rising horizon\n"
       "facing=none: YPipeline HBIL article, Full code: no normal of the source\n"
+      "bounces=recursive: YPipeline HBIL article, Full code: last frame's color, for all bounces\n"
+      "reproject=gather: YPipeline HBIL article, Full code: motion vectors\n"
+      "temporal=yes: YPipeline HBIL article, Results: Temporal Filter + Bilateral Filter\n"
+      "filter=5x5: YPipeline HBIL article, Results: Temporal Filter + Bilateral Filter\n"
+      "downscale=2: YPipeline HBIL article, Results: Half Resolution\n"
       "f0=none: YPipeline HBIL article, Full code: no Fresnel factor\n"
       "near_intensity=1: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
       "far_intensity=1: YPipeline source, ScreenSpaceGlobalIllumination.cs\n"
@@ -1017,151 +1134,283 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
 };
 /* >>gen options */
 
+enum { HBIL__LAYERS_SIDES = 0x1000, HBIL__LAYERS_SIGNAL, HBIL_FORMAT_SIGNAL }; /* rules instead of a number of layers, a format */
+
 /* <<gen passes     written by `cmake --build build --target embed` from the tables: do not edit */
 static const struct { const char *layout; uint32_t bytes; } hbil__formats[] = {
     { "", 0 },
     { "r32f", 4 },
     { "r32ui", 4 },
     { "rgba32f", 16 },
+    { "rgba16f", 8 },
 };
-static const struct { const char *name; uint16_t life, format, dim, layers; const char *wanted, *meaning; } hbil__textures[] = {
-    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, "",
+static const struct { const char *name; uint16_t life, format, dim, layers, grid; const char *wanted, *meaning; } hbil__textures[] = {
+    { "depth", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, 0, "",
       "depth as the option depth says. row 0 is ndc y = -1" },
-    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, "",
+    { "normal", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D_MULTISAMPLE, 1, 0, "",
       "shading normal as normals and normal_encoding say" },
-    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
+    { "radiance", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
       "rgb radiance that leaves each surface and bounces, linear; glowing surfaces included" },
-    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
+    { "motion", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
+      "rg: pixel where the surface point was in the last frame minus where it is now, both as rendered, jitter included" },
+    { "direct", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
       "rgb outgoing radiance without indirect light, linear" },
-    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
+    { "albedo", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
       "rgb diffuse reflectance in [0, 1]" },
-    { "f0", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
+    { "f0", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
       "specular reflectance at normal incidence in [0, 1], r or rgb" },
-    { "roughness", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, "",
+    { "roughness", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_2D, 1, 0, "",
       "r perceptual roughness in [0, 1]" },
-    { "sky", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_CUBE, 1, "",
+    { "sky", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_CUBE, 1, 0, "",
       "rgb of the environment by world direction. E/pi, already blurred; with free_bits radiance" },
-    { "probes", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_3D, 1, "",
+    { "probes", HBIL_LIFE_INPUT, HBIL_FORMAT_ANY, HBIL_DIM_3D, 1, 0, "",
       "rgb SH radiance of a grid: nx * ny * (nz * coefficients), coefficient k in slab k of nz" },
-    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "",
+    { "full_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 0, "",
+      "view depth of every pixel, where the grid is coarser. m, 1e15 is sky" },
+    { "full_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 0, "",
+      "normal of every pixel, as view_normal" },
+    { "view_depth", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 1, "",
       "view depth. m, 1e15 is sky" },
-    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, "",
+    { "view_normal", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
       "octahedral normal, 2 x snorm16; x right, y up, z into the screen" },
-    { "view_radiance", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, "",
+    { "view_radiance", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
       "rgb radiance, finite: 3 x 9 bits with a common exponent of 5" },
-    { "depth_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D_ARRAY, 2, "",
+    { "depth_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D_ARRAY, 2, 1, "",
       "view depth; layer 0 as it is, layer 1 its levels of 2, 4 and 8 pixels side by side" },
-    { "radiance_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 2, "",
+    { "radiance_mips", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 2, 1, "",
       "view_radiance in the same layers" },
-    { "swept", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
+    { "swept", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIDES, 1, "",
       "per side: steps to the pixel of the line that makes the horizon, 0 if there is none; high half: rise of what lies between" },
-    { "swept_light", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, 0, "",
+    { "swept_light", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIDES, 1, "",
       "per side: mean radiance of all that stands up on the way there, as view_radiance" },
-    { "raw_ao", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "",
-      "ao before the filter" },
-    { "raw_near", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "",
-      "rgb near light before the filter" },
-    { "raw_bent", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "",
-      "xyz bent vector before the filter" },
-    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_AO",
+    { "landed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
+      "depth code of the nearest surface of last frame that falls here, all ones if none does" },
+    { "claimed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
+      "the pixel of last frame that it came from: x + y * 65536, all ones if none did" },
+    { "pushed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 1, "",
+      "last frame's irradiance where it fell, levels of 2 to 64 pixels side by side: rgb mean, a depth, 0 if empty" },
+    { "raw", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
+      "what this frame's march says, in layers: see HBIL_LAYERS" },
+    { "signal", HBIL_LIFE_HISTORY, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
+      "its running mean over the frames" },
+    { "soft", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
+      "after one pass of the filter" },
+    { "soft_2", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
+      "after two" },
+    { "seen", HBIL_LIFE_HISTORY, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
+      "view depth, its lowest 6 bits the frames in the running mean" },
+    { "bounce", HBIL_LIFE_HISTORY, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
+      "irradiance E/pi that the surface may reflect in the next frame, as view_radiance" },
+    { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_AO",
       "visibility as the estimator weighs it. 1 is open, range [0, 1]" },
-    { "uniform_ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_UNIFORM_AO",
+    { "uniform_ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_UNIFORM_AO",
       "visible part of the hemisphere's solid angle. 1 is open, range [0, 1]" },
-    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_BENT",
+    { "bent", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_BENT",
       "cosine-weighted bent vector in view space, not normalised, length 2/3 when open. a = 1" },
-    { "cone", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_CONE",
+    { "cone", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_CONE",
       "visible cone: xyz its axis in view space, the bent direction; a = cosine of its half angle" },
-    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_NEAR",
+    { "near", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_NEAR",
       "near irradiance E/pi: multiply by albedo and be done. a = 1" },
-    { "sh", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, 4, "HBIL_OUTPUTS_SH",
+    { "sh", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, 4, 0, "HBIL_OUTPUTS_SH",
       "layers Y00 Y1-1 Y10 Y11 in view space: rgb of near radiance, a of visibility" },
-    { "far", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_FAR",
+    { "far", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_FAR",
       "far irradiance E/pi, through the visible part only. a = 1" },
-    { "irradiance", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_IRRADIANCE",
+    { "irradiance", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_IRRADIANCE",
       "near + far irradiance E/pi: multiply by albedo and be done. a = 1" },
-    { "specular_occlusion", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
+    { "specular_occlusion", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_SPECULAR_OCCLUSION",
       "visible part of the specular lobe. 1 is open, range [0, 1]" },
-    { "multi_bounce", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_MULTI_BOUNCE",
+    { "multi_bounce", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_MULTI_BOUNCE",
       "rgb visibility after all bounces off surfaces of the pixel's albedo. a = 1" },
-    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, "HBIL_OUTPUTS_COMPOSITE",
+    { "composite", HBIL_LIFE_OUTPUT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_COMPOSITE",
       "direct + albedo * (near + far). a = 1" },
 };
 static const struct { const char *name, *exists; uint16_t grid, domain, group[2]; const char *meaning; } hbil__passes[] = {
-    { "prepare", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
+    { "prepare", "", HBIL_GRID_PIXELS, 0, { 8, 8 },
       "depth of any convention to metres, normals to view space, sky classified on the raw value" },
-    { "mips", "HBIL_MIPS", HBIL_GRID_PIXELS, 9, { 8, 8 },
+    { "shrink", "HBIL_COARSE", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "one pixel of a coarser grid for each block: the plane through its middle, or its nearest or farthest surface" },
+    { "scatter", "HBIL_REPROJECT_SCATTER", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "last frame's pixels into this frame: the nearest depth stays" },
+    { "claim", "HBIL_REPROJECT_SCATTER", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "last frame's pixels again: those of the nearest depth leave their address" },
+    { "push", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "last frame's light where it fell, in ever coarser levels, for the holes" },
+    { "reproject", "HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "radiance and what the surface reflects of last frame's light" },
+    { "mips", "HBIL_MIPS", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "three coarser levels of depth, and of radiance, at once" },
-    { "sweep", "HBIL_SWEPT", HBIL_GRID_LINES, 14, { 32, 1 },
+    { "sweep", "HBIL_SWEPT", HBIL_GRID_LINES, 17, { 32, 1 },
       "horizons of the whole screen: one walk along every line of every direction, both ways, keeps the hull of what it passed" },
-    { "march", "", HBIL_GRID_PIXELS, 9, { 8, 8 },
+    { "march", "", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "what each slice sees: visibility, near light and bent vector from the same samples" },
-    { "filter", "HBIL_FILTER", HBIL_GRID_PIXELS, 9, { 8, 8 },
+    { "temporal", "HBIL_TEMPORAL_YES", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "running mean with what the last frames saw of the same surface" },
+    { "filter", "!HBIL_FILTER_NONE", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "mean over the neighbours that lie on the same surface" },
-    { "light", "HBIL_LIGHT_AO || HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE", HBIL_GRID_PIXELS, 9, { 8, 8 },
+    { "filter_2", "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_1", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "the same with gaps of 1 pixel" },
+    { "filter_3", "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_3", HBIL_GRID_PIXELS, 12, { 8, 8 },
+      "the same with gaps of 3 pixels" },
+    { "upsample", "HBIL_COARSE", HBIL_GRID_PIXELS, 0, { 8, 8 },
+      "from the coarser grid to every pixel: the four around it, as far as they are of its surface" },
+    { "light", "HBIL_LIGHT_AO || HBIL_SUMMED", HBIL_GRID_PIXELS, 0, { 8, 8 },
       "what follows from visibility per pixel: cone, far light, sums, specular occlusion, bounces" },
 };
-static const struct { uint16_t pass, texture, access, update; const char *when; } hbil__binds[] = {
-    { 0, 0, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare depth */
-    { 0, 1, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare normal */
-    { 0, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* prepare radiance */
-    { 0, 9, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_depth */
-    { 0, 10, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_normal */
-    { 0, 11, HBIL_ACCESS_WRITE, 0, "" }, /* prepare view_radiance */
-    { 1, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* mips view_depth */
-    { 1, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* mips view_radiance */
-    { 1, 12, HBIL_ACCESS_WRITE, 0, "" }, /* mips depth_mips */
-    { 1, 13, HBIL_ACCESS_WRITE, 0, "" }, /* mips radiance_mips */
-    { 2, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_depth */
-    { 2, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_normal */
-    { 2, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* sweep view_radiance */
-    { 2, 14, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept */
-    { 2, 15, HBIL_ACCESS_WRITE, 1, "" }, /* sweep swept_light */
-    { 3, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_depth */
-    { 3, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_normal */
-    { 3, 2, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance */
-    { 3, 11, HBIL_ACCESS_SAMPLE, 0, "" }, /* march view_radiance */
-    { 3, 12, HBIL_ACCESS_SAMPLE, 0, "" }, /* march depth_mips */
-    { 3, 13, HBIL_ACCESS_SAMPLE, 0, "" }, /* march radiance_mips */
-    { 3, 14, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept */
-    { 3, 15, HBIL_ACCESS_SAMPLE, 0, "" }, /* march swept_light */
-    { 3, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* march f0 */
-    { 3, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* march sky */
-    { 3, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* march probes */
-    { 3, 16, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_ao */
-    { 3, 17, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_near */
-    { 3, 18, HBIL_ACCESS_WRITE, 0, "" }, /* march raw_bent */
-    { 3, 19, HBIL_ACCESS_WRITE, 0, "" }, /* march ao */
-    { 3, 20, HBIL_ACCESS_WRITE, 0, "" }, /* march uniform_ao */
-    { 3, 21, HBIL_ACCESS_WRITE, 0, "" }, /* march bent */
-    { 3, 23, HBIL_ACCESS_WRITE, 0, "" }, /* march near */
-    { 3, 24, HBIL_ACCESS_WRITE, 0, "" }, /* march sh */
-    { 3, 25, HBIL_ACCESS_WRITE, 0, "HBIL_FAR_BITS" }, /* march far */
-    { 4, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_depth */
-    { 4, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter view_normal */
-    { 4, 16, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_ao */
-    { 4, 17, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_near */
-    { 4, 18, HBIL_ACCESS_SAMPLE, 0, "" }, /* filter raw_bent */
-    { 4, 19, HBIL_ACCESS_WRITE, 0, "" }, /* filter ao */
-    { 4, 23, HBIL_ACCESS_WRITE, 0, "" }, /* filter near */
-    { 4, 21, HBIL_ACCESS_WRITE, 0, "" }, /* filter bent */
-    { 5, 9, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_depth */
-    { 5, 10, HBIL_ACCESS_SAMPLE, 0, "" }, /* light view_normal */
-    { 5, 19, HBIL_ACCESS_SAMPLE, 0, "" }, /* light ao */
-    { 5, 21, HBIL_ACCESS_SAMPLE, 0, "" }, /* light bent */
-    { 5, 23, HBIL_ACCESS_SAMPLE, 0, "" }, /* light near */
-    { 5, 25, HBIL_ACCESS_SAMPLE, 0, "HBIL_FAR_BITS" }, /* light far */
-    { 5, 3, HBIL_ACCESS_SAMPLE, 0, "" }, /* light direct */
-    { 5, 4, HBIL_ACCESS_SAMPLE, 0, "" }, /* light albedo */
-    { 5, 5, HBIL_ACCESS_SAMPLE, 0, "" }, /* light f0 */
-    { 5, 6, HBIL_ACCESS_SAMPLE, 0, "" }, /* light roughness */
-    { 5, 7, HBIL_ACCESS_SAMPLE, 0, "" }, /* light sky */
-    { 5, 8, HBIL_ACCESS_SAMPLE, 0, "" }, /* light probes */
-    { 5, 22, HBIL_ACCESS_WRITE, 0, "" }, /* light cone */
-    { 5, 25, HBIL_ACCESS_WRITE, 0, "!HBIL_FAR_BITS" }, /* light far */
-    { 5, 26, HBIL_ACCESS_WRITE, 0, "" }, /* light irradiance */
-    { 5, 27, HBIL_ACCESS_WRITE, 0, "" }, /* light specular_occlusion */
-    { 5, 28, HBIL_ACCESS_WRITE, 0, "" }, /* light multi_bounce */
-    { 5, 29, HBIL_ACCESS_WRITE, 0, "" }, /* light composite */
+static const struct { uint16_t pass, texture, role; const char *when; } hbil__binds[] = {
+    { 0, 0, HBIL_ROLE_SAMPLE, "" }, /* prepare depth */
+    { 0, 1, HBIL_ROLE_SAMPLE, "" }, /* prepare normal */
+    { 0, 2, HBIL_ROLE_SAMPLE, "" }, /* prepare radiance */
+    { 0, 10, HBIL_ROLE_WRITE, "" }, /* prepare full_depth */
+    { 0, 11, HBIL_ROLE_WRITE, "" }, /* prepare full_normal */
+    { 0, 12, HBIL_ROLE_WRITE, "" }, /* prepare view_depth */
+    { 0, 13, HBIL_ROLE_WRITE, "" }, /* prepare view_normal */
+    { 0, 14, HBIL_ROLE_WRITE, "" }, /* prepare view_radiance */
+    { 0, 19, HBIL_ROLE_WRITE, "" }, /* prepare landed */
+    { 1, 10, HBIL_ROLE_SAMPLE, "" }, /* shrink full_depth */
+    { 1, 11, HBIL_ROLE_SAMPLE, "" }, /* shrink full_normal */
+    { 1, 2, HBIL_ROLE_SAMPLE, "" }, /* shrink radiance */
+    { 1, 12, HBIL_ROLE_WRITE, "" }, /* shrink view_depth */
+    { 1, 13, HBIL_ROLE_WRITE, "" }, /* shrink view_normal */
+    { 1, 14, HBIL_ROLE_WRITE, "" }, /* shrink view_radiance */
+    { 1, 19, HBIL_ROLE_WRITE, "" }, /* shrink landed */
+    { 2, 26, HBIL_ROLE_LAST, "" }, /* scatter seen */
+    { 2, 19, HBIL_ROLE_UPDATE, "" }, /* scatter landed */
+    { 2, 20, HBIL_ROLE_WRITE, "" }, /* scatter claimed */
+    { 3, 26, HBIL_ROLE_LAST, "" }, /* claim seen */
+    { 3, 19, HBIL_ROLE_SAMPLE, "" }, /* claim landed */
+    { 3, 20, HBIL_ROLE_UPDATE, "" }, /* claim claimed */
+    { 4, 20, HBIL_ROLE_SAMPLE, "" }, /* push claimed */
+    { 4, 26, HBIL_ROLE_LAST, "" }, /* push seen */
+    { 4, 27, HBIL_ROLE_LAST, "" }, /* push bounce */
+    { 4, 21, HBIL_ROLE_WRITE, "" }, /* push pushed */
+    { 5, 12, HBIL_ROLE_SAMPLE, "" }, /* reproject view_depth */
+    { 5, 13, HBIL_ROLE_SAMPLE, "" }, /* reproject view_normal */
+    { 5, 10, HBIL_ROLE_SAMPLE, "" }, /* reproject full_depth */
+    { 5, 2, HBIL_ROLE_SAMPLE, "" }, /* reproject radiance */
+    { 5, 5, HBIL_ROLE_SAMPLE, "" }, /* reproject albedo */
+    { 5, 3, HBIL_ROLE_SAMPLE, "" }, /* reproject motion */
+    { 5, 20, HBIL_ROLE_SAMPLE, "" }, /* reproject claimed */
+    { 5, 21, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed */
+    { 5, 26, HBIL_ROLE_LAST, "" }, /* reproject seen */
+    { 5, 27, HBIL_ROLE_LAST, "" }, /* reproject bounce */
+    { 5, 14, HBIL_ROLE_WRITE, "" }, /* reproject view_radiance */
+    { 5, 26, HBIL_ROLE_WRITE, "" }, /* reproject seen */
+    { 6, 12, HBIL_ROLE_SAMPLE, "" }, /* mips view_depth */
+    { 6, 14, HBIL_ROLE_SAMPLE, "" }, /* mips view_radiance */
+    { 6, 15, HBIL_ROLE_WRITE, "" }, /* mips depth_mips */
+    { 6, 16, HBIL_ROLE_WRITE, "" }, /* mips radiance_mips */
+    { 7, 12, HBIL_ROLE_SAMPLE, "" }, /* sweep view_depth */
+    { 7, 13, HBIL_ROLE_SAMPLE, "" }, /* sweep view_normal */
+    { 7, 14, HBIL_ROLE_SAMPLE, "" }, /* sweep view_radiance */
+    { 7, 17, HBIL_ROLE_UPDATE, "" }, /* sweep swept */
+    { 7, 18, HBIL_ROLE_UPDATE, "" }, /* sweep swept_light */
+    { 8, 12, HBIL_ROLE_SAMPLE, "" }, /* march view_depth */
+    { 8, 13, HBIL_ROLE_SAMPLE, "" }, /* march view_normal */
+    { 8, 2, HBIL_ROLE_SAMPLE, "" }, /* march radiance */
+    { 8, 14, HBIL_ROLE_SAMPLE, "" }, /* march view_radiance */
+    { 8, 15, HBIL_ROLE_SAMPLE, "" }, /* march depth_mips */
+    { 8, 16, HBIL_ROLE_SAMPLE, "" }, /* march radiance_mips */
+    { 8, 17, HBIL_ROLE_SAMPLE, "" }, /* march swept */
+    { 8, 18, HBIL_ROLE_SAMPLE, "" }, /* march swept_light */
+    { 8, 6, HBIL_ROLE_SAMPLE, "" }, /* march f0 */
+    { 8, 8, HBIL_ROLE_SAMPLE, "" }, /* march sky */
+    { 8, 9, HBIL_ROLE_SAMPLE, "" }, /* march probes */
+    { 8, 22, HBIL_ROLE_TO, "" }, /* march raw */
+    { 8, 28, HBIL_ROLE_WRITE, "" }, /* march ao */
+    { 8, 29, HBIL_ROLE_WRITE, "" }, /* march uniform_ao */
+    { 8, 30, HBIL_ROLE_WRITE, "" }, /* march bent */
+    { 8, 32, HBIL_ROLE_WRITE, "" }, /* march near */
+    { 8, 33, HBIL_ROLE_WRITE, "" }, /* march sh */
+    { 8, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* march far */
+    { 9, 12, HBIL_ROLE_SAMPLE, "" }, /* temporal view_depth */
+    { 9, 13, HBIL_ROLE_SAMPLE, "" }, /* temporal view_normal */
+    { 9, 3, HBIL_ROLE_SAMPLE, "" }, /* temporal motion */
+    { 9, 20, HBIL_ROLE_SAMPLE, "" }, /* temporal claimed */
+    { 9, 22, HBIL_ROLE_FROM, "" }, /* temporal raw */
+    { 9, 26, HBIL_ROLE_LAST, "" }, /* temporal seen */
+    { 9, 23, HBIL_ROLE_LAST, "" }, /* temporal signal */
+    { 9, 6, HBIL_ROLE_SAMPLE, "" }, /* temporal f0 */
+    { 9, 26, HBIL_ROLE_WRITE, "" }, /* temporal seen */
+    { 9, 23, HBIL_ROLE_TO, "" }, /* temporal signal */
+    { 9, 28, HBIL_ROLE_WRITE, "" }, /* temporal ao */
+    { 9, 29, HBIL_ROLE_WRITE, "" }, /* temporal uniform_ao */
+    { 9, 30, HBIL_ROLE_WRITE, "" }, /* temporal bent */
+    { 9, 32, HBIL_ROLE_WRITE, "" }, /* temporal near */
+    { 9, 33, HBIL_ROLE_WRITE, "" }, /* temporal sh */
+    { 9, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* temporal far */
+    { 10, 12, HBIL_ROLE_SAMPLE, "" }, /* filter view_depth */
+    { 10, 13, HBIL_ROLE_SAMPLE, "" }, /* filter view_normal */
+    { 10, 26, HBIL_ROLE_SAMPLE, "" }, /* filter seen */
+    { 10, 22, HBIL_ROLE_FROM, "HBIL_TEMPORAL_NO" }, /* filter raw */
+    { 10, 23, HBIL_ROLE_FROM, "HBIL_TEMPORAL_YES" }, /* filter signal */
+    { 10, 6, HBIL_ROLE_SAMPLE, "" }, /* filter f0 */
+    { 10, 24, HBIL_ROLE_TO, "" }, /* filter soft */
+    { 10, 28, HBIL_ROLE_WRITE, "" }, /* filter ao */
+    { 10, 29, HBIL_ROLE_WRITE, "" }, /* filter uniform_ao */
+    { 10, 30, HBIL_ROLE_WRITE, "" }, /* filter bent */
+    { 10, 32, HBIL_ROLE_WRITE, "" }, /* filter near */
+    { 10, 33, HBIL_ROLE_WRITE, "" }, /* filter sh */
+    { 10, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter far */
+    { 11, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_depth */
+    { 11, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_normal */
+    { 11, 26, HBIL_ROLE_SAMPLE, "" }, /* filter_2 seen */
+    { 11, 24, HBIL_ROLE_FROM, "" }, /* filter_2 soft */
+    { 11, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_2 f0 */
+    { 11, 25, HBIL_ROLE_TO, "" }, /* filter_2 soft_2 */
+    { 11, 28, HBIL_ROLE_WRITE, "" }, /* filter_2 ao */
+    { 11, 29, HBIL_ROLE_WRITE, "" }, /* filter_2 uniform_ao */
+    { 11, 30, HBIL_ROLE_WRITE, "" }, /* filter_2 bent */
+    { 11, 32, HBIL_ROLE_WRITE, "" }, /* filter_2 near */
+    { 11, 33, HBIL_ROLE_WRITE, "" }, /* filter_2 sh */
+    { 11, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_2 far */
+    { 12, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_depth */
+    { 12, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_normal */
+    { 12, 26, HBIL_ROLE_SAMPLE, "" }, /* filter_3 seen */
+    { 12, 25, HBIL_ROLE_FROM, "" }, /* filter_3 soft_2 */
+    { 12, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_3 f0 */
+    { 12, 24, HBIL_ROLE_TO, "" }, /* filter_3 soft */
+    { 12, 28, HBIL_ROLE_WRITE, "" }, /* filter_3 ao */
+    { 12, 29, HBIL_ROLE_WRITE, "" }, /* filter_3 uniform_ao */
+    { 12, 30, HBIL_ROLE_WRITE, "" }, /* filter_3 bent */
+    { 12, 32, HBIL_ROLE_WRITE, "" }, /* filter_3 near */
+    { 12, 33, HBIL_ROLE_WRITE, "" }, /* filter_3 sh */
+    { 12, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_3 far */
+    { 13, 10, HBIL_ROLE_SAMPLE, "" }, /* upsample full_depth */
+    { 13, 11, HBIL_ROLE_SAMPLE, "" }, /* upsample full_normal */
+    { 13, 12, HBIL_ROLE_SAMPLE, "" }, /* upsample view_depth */
+    { 13, 13, HBIL_ROLE_SAMPLE, "" }, /* upsample view_normal */
+    { 13, 22, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_NO" }, /* upsample raw */
+    { 13, 23, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_YES" }, /* upsample signal */
+    { 13, 24, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_2" }, /* upsample soft */
+    { 13, 25, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_2" }, /* upsample soft_2 */
+    { 13, 6, HBIL_ROLE_SAMPLE, "" }, /* upsample f0 */
+    { 13, 28, HBIL_ROLE_WRITE, "" }, /* upsample ao */
+    { 13, 29, HBIL_ROLE_WRITE, "" }, /* upsample uniform_ao */
+    { 13, 30, HBIL_ROLE_WRITE, "" }, /* upsample bent */
+    { 13, 32, HBIL_ROLE_WRITE, "" }, /* upsample near */
+    { 13, 33, HBIL_ROLE_WRITE, "" }, /* upsample sh */
+    { 13, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* upsample far */
+    { 14, 12, HBIL_ROLE_SAMPLE, "" }, /* light view_depth */
+    { 14, 13, HBIL_ROLE_SAMPLE, "" }, /* light view_normal */
+    { 14, 10, HBIL_ROLE_SAMPLE, "" }, /* light full_depth */
+    { 14, 11, HBIL_ROLE_SAMPLE, "" }, /* light full_normal */
+    { 14, 28, HBIL_ROLE_SAMPLE, "" }, /* light ao */
+    { 14, 30, HBIL_ROLE_SAMPLE, "" }, /* light bent */
+    { 14, 32, HBIL_ROLE_SAMPLE, "" }, /* light near */
+    { 14, 34, HBIL_ROLE_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
+    { 14, 4, HBIL_ROLE_SAMPLE, "" }, /* light direct */
+    { 14, 5, HBIL_ROLE_SAMPLE, "" }, /* light albedo */
+    { 14, 6, HBIL_ROLE_SAMPLE, "" }, /* light f0 */
+    { 14, 7, HBIL_ROLE_SAMPLE, "" }, /* light roughness */
+    { 14, 8, HBIL_ROLE_SAMPLE, "" }, /* light sky */
+    { 14, 9, HBIL_ROLE_SAMPLE, "" }, /* light probes */
+    { 14, 31, HBIL_ROLE_WRITE, "" }, /* light cone */
+    { 14, 34, HBIL_ROLE_WRITE, "!HBIL_FAR_BITS" }, /* light far */
+    { 14, 35, HBIL_ROLE_WRITE, "" }, /* light irradiance */
+    { 14, 36, HBIL_ROLE_WRITE, "" }, /* light specular_occlusion */
+    { 14, 37, HBIL_ROLE_WRITE, "" }, /* light multi_bounce */
+    { 14, 38, HBIL_ROLE_WRITE, "" }, /* light composite */
+    { 14, 27, HBIL_ROLE_WRITE, "" }, /* light bounce */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -1169,7 +1418,9 @@ static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__
     { HBIL_TYPE_VEC2, "vec2", "HBIL_DEPTH_TO_VIEW",
       "v = d * x + y with d = 1 at the near end: depth = 1/v (perspective) or v (orthographic)" },
     { HBIL_TYPE_IVEC2, "ivec2", "HBIL_SIZE",
-      "render size. pixels" },
+      "size of the grid that is marched: render size / downscale, rounded up. pixels" },
+    { HBIL_TYPE_IVEC2, "ivec2", "HBIL_FULL_SIZE",
+      "render size, where the grid is coarser. pixels" },
     { HBIL_TYPE_MAT3, "mat3", "HBIL_WORLD_TO_VIEW",
       "rotation from world to view space, z into the screen" },
     { HBIL_TYPE_VEC4, "vec4", "HBIL_EYE",
@@ -1188,15 +1439,30 @@ static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__
       "xyz world position of probe (0, 0, 0). m" },
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PROBE_SCALE",
       "xyz probes per metre along each axis" },
+    { HBIL_TYPE_VEC4X3, "vec4x3", "HBIL_LAST_FROM_VIEW",
+      "rows of the motion from this frame's space to last frame's. m" },
+    { HBIL_TYPE_VEC4X3, "vec4x3", "HBIL_VIEW_FROM_LAST",
+      "rows of the motion back" },
+    { HBIL_TYPE_VEC4, "vec4", "HBIL_LAST_TO_RAY",
+      "HBIL_PIXEL_TO_RAY of the last frame" },
+    { HBIL_TYPE_IVEC2, "ivec2", "HBIL_LAST_SIZE",
+      "HBIL_SIZE of the last frame" },
+    { HBIL_TYPE_INT, "int", "HBIL_RESET",
+      "1: nothing of the last frame counts" },
 };
 /* >>gen passes */
 
 static const struct { const char *glsl; uint16_t size, align; } hbil__types[] = { /* std140, by hbil_type */
     { "", 0, 1 }, { "int", 4, 4 }, { "uint", 4, 4 }, { "float", 4, 4 }, { "vec2", 8, 8 }, { "ivec2", 8, 8 },
-    { "vec4", 16, 16 }, { "mat3", 48, 16 }, { "vec4", 64, 16 }, { "vec4", 80, 16 } };
-static const char *const hbil__array_ends[] = { "", "", "", "", "", "", "", "", "[4]", "[5]" }; /* by hbil_type */
+    { "vec4", 16, 16 }, { "mat3", 48, 16 }, { "vec4", 48, 16 }, { "vec4", 64, 16 },
+    { "vec4", 80, 16 } };
+static const char *const hbil__array_ends[] = { "", "", "", "", "", "", "", "", "[3]", "[4]", "[5]" }; /* by hbil_type */
 static const char *const hbil__dims[] = { "", "2D", "2DMS", "2DArray", "Cube", "3D" }; /* by hbil_dim */
 static const char *const hbil__dim_names[] = { "", "2d", "2d_multisample", "2d_array", "cube", "3d" };
+static const struct { uint8_t access, age; const char *name; int named; } hbil__roles[] = { /* by hbil_role; named: <texture> follows */
+    { 0, 0, "", 0 }, { HBIL_ACCESS_SAMPLE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 },
+    { HBIL_ACCESS_SAMPLE, 1, "u_last_", 1 }, { HBIL_ACCESS_SAMPLE, 0, "u_from", 0 }, { HBIL_ACCESS_WRITE, 0, "u_to", 0 } };
+static const char *const hbil__role_names[] = { "", "sample", "write", "update", "last", "from", "to" };
 static const char *const hbil__access_names[] = { "", "sample", "write" };
 static const char *const hbil__life_names[] = { "", "input", "output", "transient", "history" };
 
@@ -1290,6 +1556,10 @@ static const char hbil__glsl_common_hbil_diffuse[] =
 "#else\n"
 "    return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rrr), 1.0);\n"
 "#endif\n"
+"}\n";
+static const char hbil__glsl_common_hbil_load_albedo[] =
+"vec3 hbil_load_albedo(ivec2 p) {\n"
+"    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
 "}\n";
 static const char hbil__glsl_environment_hbil_to_world[] =
 "// Direction from the space of the passes to the world.\n"
@@ -1581,7 +1851,7 @@ static const char hbil__glsl_slice_hbil_noise[] =
 "#if HBIL_INTERLEAVE_YES\n"
 "    p &= 3;\n"
 "#endif\n"
-"    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);\n"
+"    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX % 61u);\n"
 "    return vec3(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)), hbil_gradient(q + vec2(31.0, 83.0)));\n"
 "#else\n"
 "    return vec3(0.5);\n"
@@ -2589,6 +2859,421 @@ static const char hbil__glsl_hbao_hbil_hbao_slice[] =
 "    sum.hidden += 0.5 * (hbil_hidden(r, front) + hbil_hidden(r, back));\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_grid_hbil_frame_size[] =
+"// Render size. pixels\n"
+"ivec2 hbil_frame_size() {\n"
+"#if HBIL_COARSE\n"
+"    return HBIL_FULL_SIZE;\n"
+"#else\n"
+"    return HBIL_SIZE;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_grid_hbil_centre[] =
+"// Where the centre of a pixel of the frame lies on the grid. Pixels of the grid have theirs at .5\n"
+"vec2 hbil_centre(ivec2 p) {\n"
+"#if HBIL_COARSE\n"
+"    return (vec2(p) + 0.5) / float(HBIL_DOWNSCALE);\n"
+"#else\n"
+"    return vec2(p) + 0.5;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_grid_hbil_middle[] =
+"// Pixel of the frame in the middle of a block; at the border, the last there is.\n"
+"ivec2 hbil_middle(ivec2 p) {\n"
+"#if HBIL_COARSE\n"
+"    return min(p * HBIL_DOWNSCALE + HBIL_DOWNSCALE / 2, HBIL_FULL_SIZE - 1);\n"
+"#else\n"
+"    return p;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_grid_hbil_quad[] =
+"#if HBIL_COARSE\n"
+"// The four pixels of the frame around the middle of a block, i in [0, 3]. Blocks that leave the frame take its last\n"
+"// ones.\n"
+"ivec2 hbil_quad(ivec2 p, int i) {\n"
+"    ivec2 first = max(min(p * HBIL_DOWNSCALE + HBIL_DOWNSCALE / 2 - 1, HBIL_FULL_SIZE - 2), ivec2(0));\n"
+"    return min(first + ivec2(i & 1, i >> 1), HBIL_FULL_SIZE - 1);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_grid_HBIL_SAME_DEPTH[] =
+"const float HBIL_SAME_DEPTH = 0.1; // of a depth (orthographic: of the screen's height): another surface\n";
+static const char hbil__glsl_grid_hbil_depth_scale[] =
+"// Length that depths are held against. m\n"
+"float hbil_depth_scale(float z) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return z;\n"
+"#else\n"
+"    return abs(HBIL_PIXEL_TO_RAY.y) * float(HBIL_SIZE.y);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_grid_hbil_quad_weights[] =
+"#if HBIL_COARSE\n"
+"// Which of the four are of the surface that the grid took, at depth z. Adds up to 1.\n"
+"vec4 hbil_quad_weights(ivec2 p, float z) {\n"
+"    vec4 w;\n"
+"    for (int i = 0; i < 4; ++i) {\n"
+"        float off = abs(texelFetch(u_full_depth, hbil_quad(p, i), 0).r - z);\n"
+"        w[i] = off < HBIL_SAME_DEPTH * hbil_depth_scale(z) ? 1.0 : 1e-3;\n"
+"    }\n"
+"    return w / dot(w, vec4(1.0));\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_grid_hbil_grid_radiance[] =
+"// Radiance of a pixel of the grid.\n"
+"vec3 hbil_grid_radiance(ivec2 p, float z) {\n"
+"#if HBIL_COARSE\n"
+"    vec4 w = hbil_quad_weights(p, z);\n"
+"    vec3 sum = vec3(0.0);\n"
+"    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_radiance(hbil_quad(p, i));\n"
+"    return sum;\n"
+"#else\n"
+"    return hbil_load_radiance(p);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_signal_HBIL_LAYERS[] =
+"const int HBIL_LAYERS = 0 // of a signal, each a vec4\n"
+"#if HBIL_LIGHT_LAYER\n"
+"    + 1 // rgb near light, a ao. One slice: both not yet divided by the light of an open sky, and a what is hidden\n"
+"#endif\n"
+"#if HBIL_BENT_LAYER\n"
+"    + 1 // xyz bent vector. One slice: a light of an open sky\n"
+"#endif\n"
+"#if HBIL_FAR_LAYER\n"
+"    + 1 // rgb far light, a uniform ao\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    + 4 // as u_sh\n"
+"#endif\n"
+"    ;\n";
+static const char hbil__glsl_signal_HBIL_AT_BENT[] =
+"#if HBIL_LIGHT_LAYER\n"
+"const int HBIL_AT_BENT = 1; // layer of the bent vector\n"
+"#else\n"
+"const int HBIL_AT_BENT = 0; // layer of the bent vector\n"
+"#endif\n";
+static const char hbil__glsl_signal_HBIL_AT_FAR[] =
+"const int HBIL_AT_FAR = 0 // layer of far light\n"
+"#if HBIL_LIGHT_LAYER\n"
+"    + 1\n"
+"#endif\n"
+"#if HBIL_BENT_LAYER\n"
+"    + 1\n"
+"#endif\n"
+"    ;\n";
+static const char hbil__glsl_signal_HBIL_AT_SH[] =
+"const int HBIL_AT_SH = HBIL_LAYERS - 4; // first layer of sh\n";
+static const char hbil__glsl_signal_hbil_pass_on[] =
+"// Leave a signal for the next pass.\n"
+"void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {\n"
+"#if HBIL_STORAGE_HALF\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i)\n"
+"        imageStore(u_to, ivec3(p, i), clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX)));\n"
+"#else\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) imageStore(u_to, ivec3(p, i), s[i]);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_signal_hbil_finish[] =
+"// A signal to outputs.\n"
+"void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {\n"
+"#if HBIL_DEFER\n"
+"    float scale = 1.0 / max(s[HBIL_AT_BENT].a, 1e-20);\n"
+"    s[0] *= scale;\n"
+"    s[0].a = 1.0 - s[0].a;\n"
+"#if HBIL_FAR_BITS\n"
+"    s[HBIL_AT_FAR].rgb *= scale;\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    for (int i = 1; i < 4; ++i) s[HBIL_AT_SH + i] *= scale;\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_VISIBILITY\n"
+"    float ao = clamp(s[0].a, 0.0, 1.0);\n"
+"#if !HBIL_AO_EXPONENT_1\n"
+"    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));\n"
+"    ao *= lift;\n"
+"#endif\n"
+"#endif\n"
+"#if HBIL_AO\n"
+"    imageStore(u_ao, p, vec4(ao));\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    vec3 bent = s[HBIL_AT_BENT].xyz;\n"
+"#if !HBIL_AO_EXPONENT_1\n"
+"    bent *= lift;\n"
+"#endif\n"
+"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    vec3 near = s[0].rgb;\n"
+"#if !HBIL_F0_NONE\n"
+"    near *= hbil_diffuse(p);\n"
+"#endif\n"
+"    imageStore(u_near, p, vec4(near, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), s[HBIL_AT_SH + i]);\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    vec3 far = s[HBIL_AT_FAR].rgb;\n"
+"#if !HBIL_F0_NONE\n"
+"    far *= hbil_diffuse(p);\n"
+"#endif\n"
+"    imageStore(u_far, p, vec4(far, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_signal_hbil_finish_sky[] =
+"// Outputs of a pixel without a surface.\n"
+"void hbil_finish_sky(ivec2 p) {\n"
+"#if HBIL_AO\n"
+"    imageStore(u_ao, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_BENT\n"
+"    imageStore(u_bent, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_UNIFORM_AO\n"
+"    imageStore(u_uniform_ao, p, vec4(1.0));\n"
+"#endif\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    imageStore(u_near, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));\n"
+"#endif\n"
+"#if HBIL_FAR_BITS\n"
+"    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_signal_HBIL_FILTER_PLANE[] =
+"const float HBIL_FILTER_PLANE = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels\n";
+static const char hbil__glsl_signal_HBIL_FILTER_NORMAL[] =
+"const float HBIL_FILTER_NORMAL = 4.0; // 1 / square of the angle between normals at which it does not. rad^-2\n";
+static const char hbil__glsl_signal_hbil_surface[] =
+"// The surface at a pixel, as its neighbours are held against it.\n"
+"struct hbil_surface {\n"
+"    vec3 position;\n"
+"    vec3 n;\n"
+"    vec2 code;     // of n, octahedral\n"
+"    float pixel;   // width of a pixel of the grid there. m\n"
+"};\n";
+static const char hbil__glsl_signal_hbil_surface_at[] =
+"// pixel: on the grid\n"
+"hbil_surface hbil_surface_at(vec2 pixel, float z, uint normal) {\n"
+"    hbil_surface s;\n"
+"    s.position = hbil_position(pixel, z);\n"
+"    s.n = hbil_decode_normal(normal);\n"
+"    s.code = unpackSnorm2x16(normal);\n"
+"    s.pixel = length(hbil_position(pixel + vec2(1.0, 0.0), z) - s.position);\n"
+"    return s;\n"
+"}\n";
+static const char hbil__glsl_signal_hbil_belongs[] =
+"// How far pixel q of the grid, `gap` pixels away, is part of a surface. [0, 1]\n"
+"float hbil_belongs(hbil_surface s, ivec2 q, float gap) {\n"
+"    float z = hbil_load_depth(q);\n"
+"    if (z >= HBIL_SKY) return 0.0;\n"
+"    float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));\n"
+"    vec2 turn = unpackSnorm2x16(texelFetch(u_view_normal, q, 0).r) - s.code;\n"
+"    return clamp(1.0 - off / (HBIL_FILTER_PLANE * gap * s.pixel), 0.0, 1.0)\n"
+"        * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);\n"
+"}\n";
+static const char hbil__glsl_signal_HBIL_FILTER_RADIUS[] =
+"#if HBIL_FILTER_3X3\n"
+"const int HBIL_FILTER_RADIUS = 1; // pixels\n"
+"#else\n"
+"const int HBIL_FILTER_RADIUS = 2; // pixels\n"
+"#endif\n";
+static const char hbil__glsl_signal_hbil_blend[] =
+"// Move the mean towards the signal at a pixel: no sum can leave the range of a half float.\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"void hbil_blend(ivec2 q, mediump float share, inout mediump vec4 s[HBIL_LAYERS]) {\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) {\n"
+"        mediump vec4 other = texelFetch(u_from, ivec3(q, i), 0);\n"
+"        s[i] += share * (other - s[i]);\n"
+"    }\n"
+"}\n"
+"#else\n"
+"void hbil_blend(ivec2 q, float share, inout vec4 s[HBIL_LAYERS]) {\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] += share * (texelFetch(u_from, ivec3(q, i), 0) - s[i]);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_signal_hbil_filter_share[] =
+"#if HBIL_TEMPORAL_YES\n"
+"// Weight of a neighbour beside the pixel itself: noise of the running mean falls faster with its frames than detail is\n"
+"// worth.\n"
+"float hbil_filter_share(ivec2 p) {\n"
+"    float frames = float(texelFetch(u_seen, p, 0).r & 63u);\n"
+"    return max(1.0 / (1.0 + 0.05 * frames * frames), 0.1);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_signal_hbil_filter[] =
+"// Mean of a signal over the neighbours of a pixel, `gap` pixels apart, that lie on the same surface. What few slices\n"
+"// per pixel get wrong differs from pixel to pixel, and cancels.\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"void hbil_filter(ivec2 p, float z, int gap, out mediump vec4 s[HBIL_LAYERS]) {\n"
+"#else\n"
+"void hbil_filter(ivec2 p, float z, int gap, out vec4 s[HBIL_LAYERS]) {\n"
+"#endif\n"
+"    hbil_surface here = hbil_surface_at(vec2(p) + 0.5, z, texelFetch(u_view_normal, p, 0).r);\n"
+"    float all = 1.0;\n"
+"#if HBIL_TEMPORAL_YES\n"
+"    float share = hbil_filter_share(p);\n"
+"#endif\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = texelFetch(u_from, ivec3(p, i), 0);\n"
+"    for (int y = -HBIL_FILTER_RADIUS; y <= HBIL_FILTER_RADIUS; ++y)\n"
+"        for (int x = -HBIL_FILTER_RADIUS; x <= HBIL_FILTER_RADIUS; ++x) {\n"
+"            ivec2 q = p + gap * ivec2(x, y);\n"
+"            if (q == p || any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
+"            float w = hbil_belongs(here, q, float(gap));\n"
+"            if (w <= 0.0) continue;\n"
+"#if HBIL_TEMPORAL_YES\n"
+"            w *= share;\n"
+"#endif\n"
+"            all += w;\n"
+"            hbil_blend(q, w / all, s);\n"
+"        }\n"
+"}\n";
+static const char hbil__glsl_last_HBIL_NOWHERE[] =
+"const uint HBIL_NOWHERE = 0xffffffffu; // no surface of last frame falls here\n";
+static const char hbil__glsl_last_hbil_pack_seen[] =
+"// View depth and a number of frames in [0, 63]. Relative error of the depth below 1e-5.\n"
+"uint hbil_pack_seen(float z, float frames) {\n"
+"    return (floatBitsToUint(z) & ~63u) | uint(clamp(frames + 0.5, 0.0, 63.0));\n"
+"}\n";
+static const char hbil__glsl_last_hbil_seen_depth[] =
+"float hbil_seen_depth(uint code) {\n"
+"    return uintBitsToFloat(code & ~63u);\n"
+"}\n";
+static const char hbil__glsl_last_hbil_move[] =
+"// A point by the rows of a motion.\n"
+"vec3 hbil_move(vec4 rows[3], vec3 p) {\n"
+"    return vec3(dot(rows[0].xyz, p), dot(rows[1].xyz, p), dot(rows[2].xyz, p)) + vec3(rows[0].w, rows[1].w, rows[2].w);\n"
+"}\n";
+static const char hbil__glsl_last_hbil_last_position[] =
+"// Point that the last frame saw at a pixel position and view depth, in its own space. m\n"
+"vec3 hbil_last_position(vec2 pixel, float z) {\n"
+"    vec2 ray = pixel * HBIL_LAST_TO_RAY.xy + HBIL_LAST_TO_RAY.zw;\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return vec3(ray * z, z);\n"
+"#else\n"
+"    return vec3(ray, z);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_last_hbil_pixel_of[] =
+"// Pixel position at which a camera sees a point in front of it; far away where it does not.\n"
+"vec2 hbil_pixel_of(vec3 p, vec4 to_ray) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    if (p.z <= 0.0) return vec2(-1e9);\n"
+"    return (p.xy / p.z - to_ray.zw) / to_ray.xy;\n"
+"#else\n"
+"    return (p.xy - to_ray.zw) / to_ray.xy;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_last_hbil_landing[] =
+"// Where a surface of last frame falls in this one: xy pixel position, z view depth.\n"
+"vec3 hbil_landing(ivec2 q, float z) {\n"
+"    vec3 here = hbil_move(HBIL_VIEW_FROM_LAST, hbil_last_position(vec2(q) + 0.5, z));\n"
+"    return vec3(hbil_pixel_of(here, HBIL_PIXEL_TO_RAY), here.z);\n"
+"}\n";
+static const char hbil__glsl_last_hbil_depth_key[] =
+"// Order of view depths as whole numbers.\n"
+"uint hbil_depth_key(float z) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return floatBitsToUint(z);\n"
+"#else\n"
+"    uint bits = floatBitsToUint(z);\n"
+"    return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_last_hbil_claim[] =
+"#if HBIL_REPROJECT_SCATTER\n"
+"// The pixel of last frame that fell on p or, in the cracks of a surface that has come nearer, beside it.\n"
+"uint hbil_claim(ivec2 p) {\n"
+"    uint claim = texelFetch(u_claimed, p, 0).r;\n"
+"    for (int i = 0; i < 4 && claim == HBIL_NOWHERE; ++i) {\n"
+"        ivec2 q = p + ivec2(i == 0 ? -1 : i == 1 ? 1 : 0, i == 2 ? -1 : i == 3 ? 1 : 0);\n"
+"        if (all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, HBIL_SIZE))) claim = texelFetch(u_claimed, q, 0).r;\n"
+"    }\n"
+"    return claim;\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_last_hbil_last_pixel[] =
+"// Where the surface at p, at `there` in last frame's space if it stands still, was on its grid. Far away: nobody\n"
+"// knows.\n"
+"vec2 hbil_last_pixel(ivec2 p, vec3 there) {\n"
+"#if HBIL_REPROJECT_GATHER\n"
+"    return vec2(p) + 0.5 + texelFetch(u_motion, hbil_middle(p), 0).rg / float(HBIL_DOWNSCALE);\n"
+"#elif HBIL_REPROJECT_CAMERA\n"
+"    return hbil_pixel_of(there, HBIL_LAST_TO_RAY);\n"
+"#else\n"
+"    uint claim = hbil_claim(p);\n"
+"    if (claim == HBIL_NOWHERE) return vec2(-1e9);\n"
+"    ivec2 q = ivec2(claim & 65535u, claim >> 16);\n"
+"    vec3 landing = hbil_landing(q, hbil_seen_depth(texelFetch(u_last_seen, q, 0).r));\n"
+"    return vec2(p) + vec2(q) + 1.0 - landing.xy;\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_last_HBIL_LAST_PLANE[] =
+"const float HBIL_LAST_PLANE = 0.01; // of a depth: farther from the tangent plane is another surface\n";
+static const char hbil__glsl_last_hbil_taps[] =
+"// The four pixels of last frame around a place, and what each of them counts: 0 if it saw another surface.\n"
+"struct hbil_taps {\n"
+"    ivec2 first;\n"
+"    vec4 weights; // add up to `all`\n"
+"    float all;    // [0, 1]\n"
+"    float frames; // in the running mean there\n"
+"};\n";
+static const char hbil__glsl_last_hbil_find[] =
+"// Last frame's pixels of the surface with normal n at `position`, seen at pixel p.\n"
+"hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {\n"
+"    hbil_taps t;\n"
+"    t.first = p;\n"
+"    t.weights = vec4(0.0);\n"
+"    t.all = 0.0;\n"
+"    t.frames = 0.0;\n"
+"    if (HBIL_RESET != 0) return t;\n"
+"    vec3 there = hbil_move(HBIL_LAST_FROM_VIEW, position);\n"
+"    vec2 pixel = hbil_last_pixel(p, there);\n"
+"    // written so that NaN is off the screen, too\n"
+"    if (!(all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0)))) return t;\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    if (there.z <= 0.0) return t;\n"
+"#endif\n"
+"    there = hbil_last_position(pixel, there.z); // moving things: at the depth of still ones\n"
+"    n = hbil_move(HBIL_LAST_FROM_VIEW, position + n) - hbil_move(HBIL_LAST_FROM_VIEW, position);\n"
+"    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z);\n"
+"    t.first = ivec2(floor(pixel - 0.5));\n"
+"    vec2 f = pixel - 0.5 - vec2(t.first);\n"
+"    vec4 w = vec4(1.0 - f.x, f.x, 1.0 - f.x, f.x) * vec4(vec2(1.0 - f.y), vec2(f.y));\n"
+"    for (int i = 0; i < 4; ++i) {\n"
+"        ivec2 q = t.first + ivec2(i & 1, i >> 1);\n"
+"        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_LAST_SIZE))) continue;\n"
+"        uint code = texelFetch(u_last_seen, q, 0).r;\n"
+"        float z = hbil_seen_depth(code);\n"
+"        float off = abs(dot(n, hbil_last_position(vec2(q) + 0.5, z) - there));\n"
+"        if (!(z < 0.5 * HBIL_SKY && off < limit)) continue;\n"
+"        t.weights[i] = w[i];\n"
+"        t.all += w[i];\n"
+"        t.frames += w[i] * float(code & 63u);\n"
+"    }\n"
+"    return t;\n"
+"}\n";
+static const char hbil__glsl_last_hbil_pushed_at[] =
+"// Texel q of a level of u_pushed, 1 to 6: level 1 in its corner, the others beside it, one below the other.\n"
+"ivec2 hbil_pushed_at(ivec2 q, int level) {\n"
+"    if (level == 1) return q;\n"
+"    int y = 0;\n"
+"    for (int i = 2; i < level; ++i) y += (HBIL_SIZE.y + (1 << i) - 1) >> i;\n"
+"    return q + ivec2((HBIL_SIZE.x + 1) / 2, y);\n"
+"}\n";
+static const char hbil__glsl_last_HBIL_PUSHED[] =
+"const int HBIL_PUSHED = 6; // levels of u_pushed, of 2 to 64 pixels\n";
+static const char hbil__glsl_last_hbil_has_pushed[] =
+"// Is there room for them?\n"
+"bool hbil_has_pushed() {\n"
+"    return min(HBIL_SIZE.x, HBIL_SIZE.y) >= 16;\n"
+"}\n";
 static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "float hbil_load_raw_depth(ivec2 p) {\n"
 "#if HBIL_MULTISAMPLE_YES\n"
@@ -2670,7 +3355,7 @@ static const char hbil__glsl_prepare_hbil_load_raw_normal[] =
 static const char hbil__glsl_prepare_hbil_neighbour[] =
 "// Nearness at a pixel; -1e30 outside the screen and on the sky.\n"
 "float hbil_neighbour(ivec2 p) {\n"
-"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;\n"
+"    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, hbil_frame_size()))) return -1e30;\n"
 "    float z = hbil_view_depth(p);\n"
 "    return z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
 "}\n";
@@ -2688,13 +3373,13 @@ static const char hbil__glsl_prepare_hbil_tangent[] =
 "    float side = lost_right || (!lost_left && bend_left < bend_right) ? -1.0 : 1.0;\n"
 "    float there = side < 0.0 ? left : right;\n"
 "    if (lost_left && lost_right) there = here;\n"
-"    vec2 q = vec2(p) + 0.5 + side * vec2(axis);\n"
-"    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(vec2(p) + 0.5, z));\n"
+"    vec2 q = hbil_centre(p + int(side) * axis);\n"
+"    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(hbil_centre(p), z));\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_view_normal[] =
 "// Unit normal in view space, z into the screen. A normal that is zero, infinite or NaN is replaced by the view vector.\n"
 "vec3 hbil_view_normal(ivec2 p, float z) {\n"
-"    vec3 v = hbil_view_vector(vec2(p) + 0.5);\n"
+"    vec3 v = hbil_view_vector(hbil_centre(p));\n"
 "#if HBIL_NORMALS_DEPTH\n"
 "    vec3 n = cross(hbil_tangent(p, ivec2(1, 0), z), hbil_tangent(p, ivec2(0, 1), z));\n"
 "    n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));\n"
@@ -2710,13 +3395,209 @@ static const char hbil__glsl_prepare_hbil_view_normal[] =
 static const char hbil__glsl_prepare_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
-"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    if (any(greaterThanEqual(p, hbil_frame_size()))) return;\n"
 "    float z = hbil_view_depth(p);\n"
+"    uint normal = z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u;\n"
+"#if HBIL_COARSE\n"
+"    imageStore(u_full_depth, p, vec4(z));\n"
+"    imageStore(u_full_normal, p, uvec4(normal));\n"
+"#else\n"
 "    imageStore(u_view_depth, p, vec4(z));\n"
-"#if HBIL_PACKED\n"
+"    imageStore(u_view_normal, p, uvec4(normal));\n"
+"#if HBIL_PACKED && !HBIL_BOUNCES_RECURSIVE\n"
 "    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_load_radiance(p))));\n"
 "#endif\n"
-"    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));\n"
+"#if HBIL_REPROJECT_SCATTER\n"
+"    imageStore(u_landed, p, uvec4(HBIL_NOWHERE));\n"
+"#endif\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_shrink_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    vec4 z;\n"
+"    for (int i = 0; i < 4; ++i) z[i] = texelFetch(u_full_depth, hbil_quad(p, i), 0).r;\n"
+"    bool farthest = ((p.x + p.y) & 1) != 0;\n"
+"    int taken = 0;\n"
+"    for (int i = 1; i < 4; ++i)\n"
+"        if (z[taken] >= HBIL_SKY || (z[i] < HBIL_SKY && (farthest ? z[i] > z[taken] : z[i] < z[taken]))) taken = i;\n"
+"    uint code = texelFetch(u_full_normal, hbil_quad(p, taken), 0).r;\n"
+"    float depth = z[taken];\n"
+"    if (depth < HBIL_SKY) {\n"
+"        vec2 first = hbil_centre(hbil_quad(p, 0));\n"
+"        hbil_surface s = hbil_surface_at(hbil_centre(hbil_quad(p, taken)), depth, code);\n"
+"        bool flat_here = true;\n"
+"        for (int i = 0; i < 4; ++i)\n"
+"            flat_here = flat_here && z[i] < HBIL_SKY\n"
+"                && abs(dot(s.n, hbil_position(hbil_centre(hbil_quad(p, i)), z[i]) - s.position)) < 0.5 * s.pixel;\n"
+"        if (flat_here) {\n"
+"            // 0.5 but in blocks that leave the frame\n"
+"            vec2 t = (vec2(p) + 0.5 - first) * float(HBIL_DOWNSCALE);\n"
+"            float nearness = mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), t.x),\n"
+"                mix(hbil_nearness(z.z), hbil_nearness(z.w), t.x), t.y);\n"
+"            float middle = hbil_depth_of(nearness);\n"
+"            if (abs(middle - depth) < 0.5 * hbil_depth_scale(depth)) depth = middle; // NaN not\n"
+"        }\n"
+"    }\n"
+"    imageStore(u_view_depth, p, vec4(depth));\n"
+"    imageStore(u_view_normal, p, uvec4(code));\n"
+"#if HBIL_GATHER && !HBIL_BOUNCES_RECURSIVE\n"
+"    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_grid_radiance(p, depth))));\n"
+"#endif\n"
+"#if HBIL_REPROJECT_SCATTER\n"
+"    imageStore(u_landed, p, uvec4(HBIL_NOWHERE));\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_scatter_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
+"    if (HBIL_RESET != 0) return;\n"
+"    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger\n"
+"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x) {\n"
+"            float z = hbil_seen_depth(texelFetch(u_last_seen, ivec2(x, y), 0).r);\n"
+"            if (!(z < 0.5 * HBIL_SKY)) continue; // NaN too\n"
+"            vec3 landing = hbil_landing(ivec2(x, y), z);\n"
+"            ivec2 q = ivec2(floor(landing.xy));\n"
+"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
+"            imageAtomicMin(u_landed, q, hbil_depth_key(landing.z));\n"
+"        }\n"
+"}\n";
+static const char hbil__glsl_claim_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;\n"
+"    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y)\n"
+"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x) {\n"
+"            float z = hbil_seen_depth(texelFetch(u_last_seen, ivec2(x, y), 0).r);\n"
+"            if (!(z < 0.5 * HBIL_SKY)) continue; // NaN too\n"
+"            vec3 landing = hbil_landing(ivec2(x, y), z);\n"
+"            ivec2 q = ivec2(floor(landing.xy));\n"
+"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
+"            if (texelFetch(u_landed, q, 0).r == hbil_depth_key(landing.z))\n"
+"                imageAtomicMin(u_claimed, q, uint(x) | uint(y) << 16);\n"
+"        }\n"
+"}\n";
+static const char hbil__glsl_push_hbil_tile[] =
+"shared vec4 hbil_tile[64]; // level 3 of the group, and what becomes of it\n";
+static const char hbil__glsl_push_hbil_landed_light[] =
+"// Irradiance and depth of what fell on a pixel; a = 0: nothing did.\n"
+"vec4 hbil_landed_light(ivec2 p) {\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return vec4(0.0);\n"
+"    uint claim = texelFetch(u_claimed, p, 0).r;\n"
+"    if (claim == HBIL_NOWHERE) return vec4(0.0);\n"
+"    ivec2 q = ivec2(claim & 65535u, claim >> 16);\n"
+"    vec3 light = hbil_unpack_radiance(texelFetch(u_last_bounce, q, 0).r);\n"
+"    return vec4(light, hbil_landing(q, hbil_seen_depth(texelFetch(u_last_seen, q, 0).r)).z);\n"
+"}\n";
+static const char hbil__glsl_push_hbil_push[] =
+"// One texel from the four below it: mean of those that are about as far as the farthest, since holes open onto what is\n"
+"// behind.\n"
+"vec4 hbil_push(ivec2 q, int level, vec4 a, vec4 b, vec4 c, vec4 d) {\n"
+"    vec4 z = vec4(a.a, b.a, c.a, d.a);\n"
+"    vec4 there = vec4(notEqual(z, vec4(0.0)));\n"
+"    vec4 known = mix(vec4(-1e30), z, greaterThan(there, vec4(0.0)));\n"
+"    float most = max(max(known.x, known.y), max(known.z, known.w));\n"
+"    vec4 w = there * vec4(greaterThan(known, vec4(most - HBIL_SAME_DEPTH * hbil_depth_scale(most))));\n"
+"    vec4 mean = (w.x * a + w.y * b + w.z * c + w.w * d) / max(dot(w, vec4(1.0)), 1.0);\n"
+"    if (all(lessThan(q << level, HBIL_SIZE))) imageStore(u_pushed, hbil_pushed_at(q, level), mean);\n"
+"    return mean;\n"
+"}\n";
+static const char hbil__glsl_push_hbil_push_pair[] =
+"// Level 2 from 4 x 4 pixels.\n"
+"vec4 hbil_push_pair(ivec2 q) {\n"
+"    vec4 m[4];\n"
+"    for (int i = 0; i < 4; ++i) {\n"
+"        ivec2 r = 2 * q + ivec2(i & 1, i >> 1);\n"
+"        m[i] = hbil_push(r, 1, hbil_landed_light(2 * r), hbil_landed_light(2 * r + ivec2(1, 0)),\n"
+"            hbil_landed_light(2 * r + ivec2(0, 1)), hbil_landed_light(2 * r + 1));\n"
+"    }\n"
+"    return hbil_push(q, 2, m[0], m[1], m[2], m[3]);\n"
+"}\n";
+static const char hbil__glsl_push_main[] =
+"void main() {\n"
+"    ivec2 tile = ivec2(gl_WorkGroupID.xy);\n"
+"    if (any(greaterThanEqual(64 * tile, HBIL_SIZE)) || !hbil_has_pushed()) return; // whole groups\n"
+"    ivec2 at = ivec2(gl_LocalInvocationID.xy);\n"
+"    ivec2 q = 8 * tile + at;\n"
+"    int i = at.y * 8 + at.x;\n"
+"    hbil_tile[i] = hbil_push(q, 3, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
+"        hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));\n"
+"    for (int level = 4; level <= HBIL_PUSHED; ++level) {\n"
+"        int stride = 1 << (level - 3);\n"
+"        int half_stride = stride / 2;\n"
+"        barrier();\n"
+"        if (at.x % stride == 0 && at.y % stride == 0)\n"
+"            hbil_tile[i] = hbil_push(q >> (level - 3), level, hbil_tile[i], hbil_tile[i + half_stride],\n"
+"                hbil_tile[i + 8 * half_stride], hbil_tile[i + 9 * half_stride]);\n"
+"    }\n"
+"}\n";
+static const char hbil__glsl_reproject_HBIL_GAIN_MAX[] =
+"const float HBIL_GAIN_MAX = 0.95; // of a bounce: albedo * near_intensity. Below 1, so that light dies out\n";
+static const char hbil__glsl_reproject_hbil_pull[] =
+"#if HBIL_REPROJECT_SCATTER\n"
+"// Light for a hole: of the finest level that knows of a surface at about this depth.\n"
+"vec3 hbil_pull(ivec2 p, float z) {\n"
+"    for (int level = 1; level <= HBIL_PUSHED && hbil_has_pushed(); ++level) {\n"
+"        vec2 at = (vec2(p) + 0.5) / float(1 << level) - 0.5;\n"
+"        ivec2 first = ivec2(floor(at));\n"
+"        vec2 f = at - vec2(first);\n"
+"        ivec2 size = (HBIL_SIZE + (1 << level) - 1) >> level;\n"
+"        vec4 sum = vec4(0.0);\n"
+"        for (int i = 0; i < 4; ++i) {\n"
+"            ivec2 o = ivec2(i & 1, i >> 1);\n"
+"            vec4 t = texelFetch(u_pushed, hbil_pushed_at(clamp(first + o, ivec2(0), size - 1), level), 0);\n"
+"            if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;\n"
+"            vec2 w = mix(1.0 - f, f, vec2(o));\n"
+"            sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);\n"
+"        }\n"
+"        if (sum.a > 0.0) return sum.rgb / sum.a;\n"
+"    }\n"
+"    return vec3(0.0);\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_reproject_hbil_last_light[] =
+"// Irradiance that the surface had in the last frame.\n"
+"vec3 hbil_last_light(ivec2 p, float z) {\n"
+"    hbil_taps t = hbil_find(p, hbil_position(vec2(p) + 0.5, z), hbil_load_normal(p));\n"
+"    vec3 sum = vec3(0.0);\n"
+"    for (int i = 0; i < 4; ++i) {\n"
+"        if (t.weights[i] <= 0.0) continue;\n"
+"        sum += t.weights[i] * hbil_unpack_radiance(texelFetch(u_last_bounce, t.first + ivec2(i & 1, i >> 1), 0).r);\n"
+"    }\n"
+"    if (t.all > 0.0) return sum / t.all;\n"
+"#if HBIL_REPROJECT_SCATTER\n"
+"    if (HBIL_RESET == 0) return hbil_pull(p, z);\n"
+"#endif\n"
+"    return vec3(0.0);\n"
+"}\n";
+static const char hbil__glsl_reproject_hbil_grid_albedo[] =
+"vec3 hbil_grid_albedo(ivec2 p, float z) {\n"
+"#if HBIL_COARSE\n"
+"    vec4 w = hbil_quad_weights(p, z);\n"
+"    vec3 sum = vec3(0.0);\n"
+"    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));\n"
+"    return sum;\n"
+"#else\n"
+"    return hbil_load_albedo(p);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_reproject_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_load_depth(p);\n"
+"    vec3 radiance = vec3(0.0);\n"
+"    if (z < HBIL_SKY) {\n"
+"        vec3 gain = min(hbil_grid_albedo(p, z), vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));\n"
+"        radiance = hbil_finite(hbil_grid_radiance(p, z) + gain * hbil_last_light(p, z));\n"
+"    }\n"
+"    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(radiance)));\n"
+"#if !HBIL_TEMPORAL_YES\n"
+"    imageStore(u_seen, p, uvec4(hbil_pack_seen(z, 0.0)));\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_mips_hbil_tile[] =
 "shared float hbil_tile[64]; // nearness of the group's texels, -1e30: sky or off the screen\n";
@@ -3007,8 +3888,9 @@ static const char hbil__glsl_march_hbil_march[] =
 "    hbil_receiver r = hbil_receive(p, z);\n"
 "    vec3 noise = hbil_noise(p);\n"
 "#if !HBIL_SEED_COMPAT_SCREEN_AZIMUTH\n"
-"    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre get the\n"
-"    // wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear in D.\n"
+"    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre\n"
+"    // get the wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear\n"
+"    // in D.\n"
 "    float a = 1.0 / (1.0 - r.v.z);\n"
 "    vec3 e1 = vec3(1.0 - r.v.x * r.v.x * a, -r.v.x * r.v.y * a, r.v.x);\n"
 "    vec3 e2 = vec3(r.v.x * r.v.y * a, r.v.y * r.v.y * a - 1.0, -r.v.y);\n"
@@ -3048,58 +3930,32 @@ static const char hbil__glsl_march_hbil_mean[] =
 "    return 1.0 / float(HBIL_SLICES);\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_march_hbil_store_ao[] =
-"#if HBIL_AO\n"
-"void hbil_store_ao(ivec2 p, float ao) {\n"
-"#if HBIL_FILTER\n"
-"    imageStore(u_raw_ao, p, vec4(ao));\n"
-"#else\n"
-"    imageStore(u_ao, p, vec4(ao));\n"
-"#endif\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_store_near[] =
-"#if HBIL_NEAR_LIGHT\n"
-"void hbil_store_near(ivec2 p, vec3 near) {\n"
-"#if HBIL_FILTER\n"
-"    imageStore(u_raw_near, p, vec4(near, 1.0));\n"
-"#else\n"
-"    imageStore(u_near, p, vec4(near, 1.0));\n"
-"#endif\n"
-"}\n"
-"#endif\n";
-static const char hbil__glsl_march_hbil_store_bent[] =
-"#if HBIL_BENT\n"
-"void hbil_store_bent(ivec2 p, vec3 bent) {\n"
-"#if HBIL_FILTER\n"
-"    imageStore(u_raw_bent, p, vec4(bent, 1.0));\n"
-"#else\n"
-"    imageStore(u_bent, p, vec4(bent, 1.0));\n"
-"#endif\n"
-"}\n"
-"#endif\n";
 static const char hbil__glsl_march_hbil_store_sh[] =
 "#if HBIL_OUTPUTS_SH\n"
 "// Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its\n"
 "// whole solid angle. Near radiance and visibility together are those of the open hemisphere.\n"
-"void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {\n"
+"void hbil_store_sh(hbil_sums sum, float scale, inout vec4 s[HBIL_LAYERS]) {\n"
 "    vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);\n"
-"    imageStore(u_sh, ivec3(p, 0), 0.282095 * hbil_mean(sum) * factor * sum.sh_0);\n"
-"    imageStore(u_sh, ivec3(p, 1), 0.488603 * scale * factor * sum.sh_y);\n"
-"    imageStore(u_sh, ivec3(p, 2), 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z);\n"
-"    imageStore(u_sh, ivec3(p, 3), 0.488603 * scale * factor * sum.sh_x);\n"
+"    s[HBIL_AT_SH] = 0.282095 * hbil_mean(sum) * factor * sum.sh_0;\n"
+"    s[HBIL_AT_SH + 1] = 0.488603 * scale * factor * sum.sh_y;\n"
+"    s[HBIL_AT_SH + 2] = 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z;\n"
+"    s[HBIL_AT_SH + 3] = 0.488603 * scale * factor * sum.sh_x;\n"
 "}\n"
 "#endif\n";
 static const char hbil__glsl_march_hbil_store[] =
-"// Sums to outputs.\n"
-"void hbil_store(ivec2 p, hbil_sums sum) {\n"
-"#if HBIL_RATIO\n"
+"// Sums to a signal.\n"
+"void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);\n"
+"#if HBIL_RATIO && !HBIL_DEFER\n"
 "    // what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
 "    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
-"#elif HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)\n"
+"#elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))\n"
 "    float scale = hbil_mean(sum);\n"
 "#endif\n"
-"#if HBIL_VISIBILITY\n"
+"#if HBIL_DEFER\n"
+"    s[0].a = scale * sum.blocked;\n"
+"    s[HBIL_AT_BENT].a = scale * max(sum.full, sum.blocked);\n"
+"#elif HBIL_VISIBILITY\n"
 "#if !HBIL_COSINE\n"
 "    float ao = 1.0 - sum.hidden * hbil_mean(sum);\n"
 "#elif HBIL_SEED_COMPAT_SLICE_MEAN\n"
@@ -3107,64 +3963,23 @@ static const char hbil__glsl_march_hbil_store[] =
 "#else\n"
 "    float ao = 1.0 - sum.blocked * scale;\n"
 "#endif\n"
-"    ao = clamp(ao, 0.0, 1.0);\n"
-"#if !HBIL_AO_EXPONENT_1\n"
-"    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));\n"
-"    ao *= lift;\n"
+"    s[0].a = clamp(ao, 0.0, 1.0);\n"
 "#endif\n"
-"#endif\n"
-"#if HBIL_AO\n"
-"    hbil_store_ao(p, ao);\n"
+"#if HBIL_NEAR_LIGHT\n"
+"    s[0].rgb = scale * HBIL_NEAR_INTENSITY * sum.near;\n"
 "#endif\n"
 "#if HBIL_BENT\n"
 "    // no ratio: from two slices on the vectors of an open surface add up to 2/3 n by themselves\n"
-"    vec3 bent = sum.bent * hbil_mean(sum) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
-"#if !HBIL_AO_EXPONENT_1\n"
-"    bent *= lift;\n"
-"#endif\n"
-"    hbil_store_bent(p, bent);\n"
+"    s[HBIL_AT_BENT].xyz = sum.bent * hbil_mean(sum) * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(sum.uniform_open * hbil_mean(sum)));\n"
-"#endif\n"
-"#if HBIL_NEAR_LIGHT\n"
-"    vec3 near = scale * HBIL_NEAR_INTENSITY * sum.near;\n"
-"#if !HBIL_F0_NONE\n"
-"    near *= hbil_diffuse(p);\n"
-"#endif\n"
-"    hbil_store_near(p, near);\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_SH\n"
-"    hbil_store_sh(p, sum, scale);\n"
+"    s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
-"    vec3 far = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);\n"
-"#if !HBIL_F0_NONE\n"
-"    far *= hbil_diffuse(p);\n"
-"#endif\n"
-"    imageStore(u_far, p, vec4(far, 1.0));\n"
-"#endif\n"
-"}\n";
-static const char hbil__glsl_march_hbil_store_sky[] =
-"// A pixel without a surface.\n"
-"void hbil_store_sky(ivec2 p) {\n"
-"#if HBIL_AO\n"
-"    hbil_store_ao(p, 1.0);\n"
-"#endif\n"
-"#if HBIL_BENT\n"
-"    hbil_store_bent(p, vec3(0.0));\n"
-"#endif\n"
-"#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(1.0));\n"
-"#endif\n"
-"#if HBIL_NEAR_LIGHT\n"
-"    hbil_store_near(p, vec3(0.0));\n"
+"    s[HBIL_AT_FAR].rgb = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
-"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));\n"
-"#endif\n"
-"#if HBIL_FAR_BITS\n"
-"    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
+"    hbil_store_sh(sum, scale, s);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_march_main[] =
@@ -3180,74 +3995,212 @@ static const char hbil__glsl_march_main[] =
 "#endif\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
-"#if HBIL_SWEPT\n"
-"    if (z < HBIL_SKY) hbil_store(p, hbil_march_swept(p, z));\n"
-"#else\n"
-"    if (z < HBIL_SKY) hbil_store(p, hbil_march(p, z));\n"
+"    if (z >= HBIL_SKY) {\n"
+"#if !HBIL_STAGED\n"
+"        hbil_finish_sky(p);\n"
 "#endif\n"
-"    else hbil_store_sky(p);\n"
-"}\n";
-static const char hbil__glsl_filter_HBIL_FILTER_RADIUS[] =
-"#if HBIL_FILTER_3X3\n"
-"const int HBIL_FILTER_RADIUS = 1; // pixels\n"
+"        return;\n"
+"    }\n"
+"    vec4 s[HBIL_LAYERS];\n"
+"#if HBIL_SWEPT\n"
+"    hbil_store(hbil_march_swept(p, z), s);\n"
 "#else\n"
-"const int HBIL_FILTER_RADIUS = 2; // pixels\n"
+"    hbil_store(hbil_march(p, z), s);\n"
+"#endif\n"
+"#if HBIL_STAGED\n"
+"    hbil_pass_on(p, s);\n"
+"#else\n"
+"    hbil_finish(p, s);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_temporal_HBIL_RECTIFY_WIDTH[] =
+"#if HBIL_RECTIFY_VARIANCE\n"
+"const float HBIL_RECTIFY_WIDTH = 2.0; // standard deviations that history may be off\n"
 "#endif\n";
-static const char hbil__glsl_filter_HBIL_FILTER_PLANE[] =
-"const float HBIL_FILTER_PLANE = 1.0; // distance from the tangent plane at which a neighbour counts no more. pixels\n";
-static const char hbil__glsl_filter_hbil_filter_weight[] =
-"// How far a neighbour is part of the surface with normal n at `position`. [0, 1]\n"
-"float hbil_filter_weight(ivec2 q, vec3 position, vec3 n, float pixel) {\n"
-"    float z = hbil_load_depth(q);\n"
-"    if (z >= HBIL_SKY) return 0.0;\n"
-"    float off = abs(dot(n, hbil_position(vec2(q) + 0.5, z) - position));\n"
-"    return clamp(1.0 - off / (HBIL_FILTER_PLANE * pixel), 0.0, 1.0);\n"
+static const char hbil__glsl_temporal_hbil_rectify[] =
+"#if !HBIL_RECTIFY_NONE\n"
+"// History that this frame's 3 x 3 pixels could have made.\n"
+"vec4 hbil_rectify(ivec2 p, int layer, vec4 past) {\n"
+"#if HBIL_RECTIFY_VARIANCE\n"
+"    vec4 sum = vec4(0.0);\n"
+"    vec4 squares = vec4(0.0);\n"
+"#else\n"
+"    vec4 low = vec4(1e30);\n"
+"    vec4 high = vec4(-1e30);\n"
+"#endif\n"
+"    float count = 0.0;\n"
+"    for (int y = -1; y <= 1; ++y)\n"
+"        for (int x = -1; x <= 1; ++x) {\n"
+"            ivec2 q = clamp(p + ivec2(x, y), ivec2(0), HBIL_SIZE - 1);\n"
+"            if (hbil_load_depth(q) >= HBIL_SKY) continue;\n"
+"            vec4 s = texelFetch(u_from, ivec3(q, layer), 0);\n"
+"#if HBIL_RECTIFY_VARIANCE\n"
+"            sum += s;\n"
+"            squares += s * s;\n"
+"#else\n"
+"            low = min(low, s);\n"
+"            high = max(high, s);\n"
+"#endif\n"
+"            count += 1.0;\n"
+"        }\n"
+"#if HBIL_RECTIFY_VARIANCE\n"
+"    vec4 mean = sum / count;\n"
+"    vec4 room = HBIL_RECTIFY_WIDTH * sqrt(max(squares / count - mean * mean, vec4(0.0)));\n"
+"    return clamp(past, mean - room, mean + room);\n"
+"#else\n"
+"    return clamp(past, low, high);\n"
+"#endif\n"
+"}\n"
+"#endif\n";
+static const char hbil__glsl_temporal_HBIL_SANE[] =
+"const float HBIL_SANE = 1e7; // history beyond, or that is no number, is thrown away\n";
+static const char hbil__glsl_temporal_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z >= HBIL_SKY) {\n"
+"        imageStore(u_seen, p, uvec4(hbil_pack_seen(HBIL_SKY, 0.0)));\n"
+"#if HBIL_FILTER_NONE && !HBIL_COARSE\n"
+"        hbil_finish_sky(p);\n"
+"#endif\n"
+"        return;\n"
+"    }\n"
+"    hbil_taps t = hbil_find(p, hbil_position(vec2(p) + 0.5, z), hbil_load_normal(p));\n"
+"    float frames = t.all > 0.0 ? min(t.frames / t.all + 1.0, float(HBIL_HISTORY)) : 1.0;\n"
+"    vec4 s[HBIL_LAYERS];\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) {\n"
+"        s[i] = texelFetch(u_from, ivec3(p, i), 0);\n"
+"        if (t.all <= 0.0) continue;\n"
+"        vec4 past = vec4(0.0);\n"
+"        for (int k = 0; k < 4; ++k)\n"
+"            if (t.weights[k] > 0.0)\n"
+"                past += t.weights[k] * texelFetch(u_last_signal, ivec3(t.first + ivec2(k & 1, k >> 1), i), 0);\n"
+"        past /= t.all;\n"
+"        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) continue; // NaN too\n"
+"#if !HBIL_RECTIFY_NONE\n"
+"        past = hbil_rectify(p, i, past);\n"
+"#endif\n"
+"        s[i] = mix(past, s[i], 1.0 / frames);\n"
+"    }\n"
+"    imageStore(u_seen, p, uvec4(hbil_pack_seen(z, frames)));\n"
+"    hbil_pass_on(p, s);\n"
+"#if HBIL_FILTER_NONE && !HBIL_COARSE\n"
+"    hbil_finish(p, s);\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_filter_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
-"    vec3 position = hbil_position(vec2(p) + 0.5, z);\n"
-"    vec3 n = hbil_load_normal(p);\n"
-"    // width of a pixel there\n"
-"    float pixel = length(hbil_position(vec2(p) + vec2(1.5, 0.5), z) - position);\n"
+"    if (z >= HBIL_SKY) {\n"
+"#if HBIL_FILTER_PASSES_1 && !HBIL_COARSE\n"
+"        hbil_finish_sky(p);\n"
+"#endif\n"
+"        return;\n"
+"    }\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"    mediump vec4 s[HBIL_LAYERS];\n"
+"#else\n"
+"    vec4 s[HBIL_LAYERS];\n"
+"#endif\n"
+"    hbil_filter(p, z, 1, s);\n"
+"#if HBIL_FILTER_PASSES_1 && !HBIL_COARSE\n"
+"    hbil_finish(p, s);\n"
+"#else\n"
+"    hbil_pass_on(p, s);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_filter_2_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z >= HBIL_SKY) {\n"
+"#if HBIL_FILTER_PASSES_2 && !HBIL_COARSE\n"
+"        hbil_finish_sky(p);\n"
+"#endif\n"
+"        return;\n"
+"    }\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"    mediump vec4 s[HBIL_LAYERS];\n"
+"#else\n"
+"    vec4 s[HBIL_LAYERS];\n"
+"#endif\n"
+"    hbil_filter(p, z, 2, s);\n"
+"#if HBIL_FILTER_PASSES_2 && !HBIL_COARSE\n"
+"    hbil_finish(p, s);\n"
+"#else\n"
+"    hbil_pass_on(p, s);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_filter_3_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z >= HBIL_SKY) {\n"
+"#if !HBIL_COARSE\n"
+"        hbil_finish_sky(p);\n"
+"#endif\n"
+"        return;\n"
+"    }\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"    mediump vec4 s[HBIL_LAYERS];\n"
+"#else\n"
+"    vec4 s[HBIL_LAYERS];\n"
+"#endif\n"
+"    hbil_filter(p, z, 4, s);\n"
+"#if !HBIL_COARSE\n"
+"    hbil_finish(p, s);\n"
+"#else\n"
+"    hbil_pass_on(p, s);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_upsample_main[] =
+"void main() {\n"
+"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(p, HBIL_FULL_SIZE))) return;\n"
+"    float z = texelFetch(u_full_depth, p, 0).r;\n"
+"    if (z >= HBIL_SKY) {\n"
+"        hbil_finish_sky(p);\n"
+"        return;\n"
+"    }\n"
+"    vec2 at = hbil_centre(p);\n"
+"    hbil_surface here = hbil_surface_at(at, z, texelFetch(u_full_normal, p, 0).r);\n"
+"    ivec2 first = ivec2(floor(at - 0.5));\n"
+"    vec2 f = at - 0.5 - vec2(first);\n"
+"    vec4 w = vec4(1.0 - f.x, f.x, 1.0 - f.x, f.x) * vec4(vec2(1.0 - f.y), vec2(f.y));\n"
 "    float all = 0.0;\n"
-"#if HBIL_AO\n"
-"    float ao = 0.0;\n"
+"    float least = 1e30; // difference in depth, for a pixel that none of the four belongs to\n"
+"    ivec2 like = ivec2(0);\n"
+"#if HBIL_ARITHMETIC_HALF\n"
+"    mediump vec4 s[HBIL_LAYERS];\n"
+"#else\n"
+"    vec4 s[HBIL_LAYERS];\n"
 "#endif\n"
-"#if HBIL_NEAR_LIGHT\n"
-"    vec3 near = vec3(0.0);\n"
-"#endif\n"
-"#if HBIL_BENT\n"
-"    vec3 bent = vec3(0.0);\n"
-"#endif\n"
-"    for (int y = -HBIL_FILTER_RADIUS; y <= HBIL_FILTER_RADIUS; ++y)\n"
-"        for (int x = -HBIL_FILTER_RADIUS; x <= HBIL_FILTER_RADIUS; ++x) {\n"
-"            ivec2 q = p + ivec2(x, y);\n"
-"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
-"            // the pixel itself always counts, a sky pixel nothing else\n"
-"            float w = q == p ? 1.0 : z < HBIL_SKY ? hbil_filter_weight(q, position, n, pixel) : 0.0;\n"
-"            all += w;\n"
-"#if HBIL_AO\n"
-"            ao += w * texelFetch(u_raw_ao, q, 0).r;\n"
-"#endif\n"
-"#if HBIL_NEAR_LIGHT\n"
-"            near += w * texelFetch(u_raw_near, q, 0).rgb;\n"
-"#endif\n"
-"#if HBIL_BENT\n"
-"            bent += w * texelFetch(u_raw_bent, q, 0).xyz;\n"
-"#endif\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);\n"
+"    for (int k = 0; k < 4; ++k) {\n"
+"        ivec2 q = clamp(first + ivec2(k & 1, k >> 1), ivec2(0), HBIL_SIZE - 1);\n"
+"        float share = w[k] * hbil_belongs(here, q, 1.0);\n"
+"        float off = abs(hbil_load_depth(q) - z);\n"
+"        if (off < least) {\n"
+"            least = off;\n"
+"            like = q;\n"
 "        }\n"
-"#if HBIL_AO\n"
-"    imageStore(u_ao, p, vec4(ao / all));\n"
-"#endif\n"
-"#if HBIL_NEAR_LIGHT\n"
-"    imageStore(u_near, p, vec4(near / all, 1.0));\n"
-"#endif\n"
-"#if HBIL_BENT\n"
-"    imageStore(u_bent, p, vec4(bent / all, 1.0));\n"
-"#endif\n"
+"        if (share <= 0.0) continue;\n"
+"        all += share;\n"
+"        hbil_blend(q, share / all, s);\n"
+"    }\n"
+"    if (all < 1e-3) {\n"
+"        if (hbil_load_depth(like) >= HBIL_SKY) {\n"
+"            hbil_finish_sky(p);\n"
+"            return;\n"
+"        }\n"
+"        hbil_blend(like, 1.0, s);\n"
+"    }\n"
+"    hbil_finish(p, s);\n"
 "}\n";
 static const char hbil__glsl_light_hbil_angle[] =
 "// acos with the accuracy of atan, which acos does not have on every driver. rad\n"
@@ -3292,10 +4245,6 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_light_hbil_load_albedo[] =
-"vec3 hbil_load_albedo(ivec2 p) {\n"
-"    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));\n"
-"}\n";
 static const char hbil__glsl_light_hbil_far_light[] =
 "#if HBIL_FAR_HERE\n"
 "// Far irradiance of a pixel.\n"
@@ -3307,6 +4256,14 @@ static const char hbil__glsl_light_hbil_far_light[] =
 "    return far;\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_light_hbil_store_bounce[] =
+"#if HBIL_BOUNCES_RECURSIVE\n"
+"// What the surface may reflect in the next frame, on the grid.\n"
+"void hbil_store_bounce(ivec2 p, vec3 irradiance) {\n"
+"    ivec2 q = p / HBIL_DOWNSCALE;\n"
+"    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(hbil_pack_radiance(hbil_finite(irradiance))));\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_light_hbil_shade[] =
 "// Outputs of a pixel with a surface.\n"
 "void hbil_shade(ivec2 p, float z) {\n"
@@ -3314,8 +4271,12 @@ static const char hbil__glsl_light_hbil_shade[] =
 "    float ao = texelFetch(u_ao, p, 0).r;\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || (HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT)\n"
-"    vec3 v = hbil_view_vector(vec2(p) + 0.5);\n"
+"    vec3 v = hbil_view_vector(hbil_centre(p));\n"
+"#if HBIL_COARSE\n"
+"    vec3 n = hbil_turned(hbil_decode_normal(texelFetch(u_full_normal, p, 0).r), v);\n"
+"#else\n"
 "    vec3 n = hbil_turned(hbil_load_normal(p), v);\n"
+"#endif\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT\n"
 "    vec3 bent = texelFetch(u_bent, p, 0).xyz * vec3(1.0, 1.0, HBIL_VIEW_Z);\n"
@@ -3346,22 +4307,25 @@ static const char hbil__glsl_light_hbil_shade[] =
 "    o.bent = length(bent);\n"
 "#endif\n"
 "#if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK\n"
-"    o.position = hbil_world_position(hbil_position(vec2(p) + 0.5, z));\n"
+"    o.position = hbil_world_position(hbil_position(hbil_centre(p), z));\n"
 "#endif\n"
 "    vec3 irradiance = hbil_far_light(p, o);\n"
-"#elif HBIL_FAR_BITS && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)\n"
+"#elif HBIL_FAR_BITS && HBIL_SUMMED\n"
 "    vec3 irradiance = texelFetch(u_far, p, 0).rgb;\n"
-"#elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE\n"
+"#elif HBIL_SUMMED\n"
 "    vec3 irradiance = vec3(0.0);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS\n"
 "    imageStore(u_far, p, vec4(irradiance, 1.0));\n"
 "#endif\n"
-"#if HBIL_NEAR_LIGHT && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)\n"
+"#if HBIL_NEAR_LIGHT && HBIL_SUMMED\n"
 "    irradiance += texelFetch(u_near, p, 0).rgb;\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_IRRADIANCE\n"
 "    imageStore(u_irradiance, p, vec4(irradiance, 1.0));\n"
+"#endif\n"
+"#if HBIL_BOUNCES_RECURSIVE\n"
+"    hbil_store_bounce(p, irradiance);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_COMPOSITE\n"
 "    vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);\n"
@@ -3386,6 +4350,9 @@ static const char hbil__glsl_light_hbil_shade_sky[] =
 "#if HBIL_OUTPUTS_IRRADIANCE\n"
 "    imageStore(u_irradiance, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
 "#endif\n"
+"#if HBIL_BOUNCES_RECURSIVE\n"
+"    hbil_store_bounce(p, vec3(0.0));\n"
+"#endif\n"
 "#if HBIL_OUTPUTS_COMPOSITE\n"
 "    imageStore(u_composite, p, vec4(hbil_finite(texelFetch(u_direct, p, 0).rgb), 1.0));\n"
 "#endif\n"
@@ -3393,8 +4360,12 @@ static const char hbil__glsl_light_hbil_shade_sky[] =
 static const char hbil__glsl_light_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
-"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
+"    if (any(greaterThanEqual(p, hbil_frame_size()))) return;\n"
+"#if HBIL_COARSE\n"
+"    float z = texelFetch(u_full_depth, p, 0).r;\n"
+"#else\n"
 "    float z = hbil_load_depth(p);\n"
+"#endif\n"
 "    if (z < HBIL_SKY) hbil_shade(p, z);\n"
 "    else hbil_shade_sky(p);\n"
 "}\n";
@@ -3413,6 +4384,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_load_normal", "common", hbil__glsl_common_hbil_load_normal },
     { "hbil_direction", "common", hbil__glsl_common_hbil_direction },
     { "hbil_diffuse", "common", hbil__glsl_common_hbil_diffuse },
+    { "hbil_load_albedo", "common", hbil__glsl_common_hbil_load_albedo },
     { "hbil_to_world", "environment", hbil__glsl_environment_hbil_to_world },
     { "hbil_world_position", "environment", hbil__glsl_environment_hbil_world_position },
     { "hbil_sh", "environment", hbil__glsl_environment_hbil_sh },
@@ -3503,6 +4475,46 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_attenuation", "hbao", hbil__glsl_hbao_hbil_attenuation },
     { "hbil_hidden", "hbao", hbil__glsl_hbao_hbil_hidden },
     { "hbil_hbao_slice", "hbao", hbil__glsl_hbao_hbil_hbao_slice },
+    { "hbil_frame_size", "grid", hbil__glsl_grid_hbil_frame_size },
+    { "hbil_centre", "grid", hbil__glsl_grid_hbil_centre },
+    { "hbil_middle", "grid", hbil__glsl_grid_hbil_middle },
+    { "hbil_quad", "grid", hbil__glsl_grid_hbil_quad },
+    { "HBIL_SAME_DEPTH", "grid", hbil__glsl_grid_HBIL_SAME_DEPTH },
+    { "hbil_depth_scale", "grid", hbil__glsl_grid_hbil_depth_scale },
+    { "hbil_quad_weights", "grid", hbil__glsl_grid_hbil_quad_weights },
+    { "hbil_grid_radiance", "grid", hbil__glsl_grid_hbil_grid_radiance },
+    { "HBIL_LAYERS", "signal", hbil__glsl_signal_HBIL_LAYERS },
+    { "HBIL_AT_BENT", "signal", hbil__glsl_signal_HBIL_AT_BENT },
+    { "HBIL_AT_FAR", "signal", hbil__glsl_signal_HBIL_AT_FAR },
+    { "HBIL_AT_SH", "signal", hbil__glsl_signal_HBIL_AT_SH },
+    { "hbil_pass_on", "signal", hbil__glsl_signal_hbil_pass_on },
+    { "hbil_finish", "signal", hbil__glsl_signal_hbil_finish },
+    { "hbil_finish_sky", "signal", hbil__glsl_signal_hbil_finish_sky },
+    { "HBIL_FILTER_PLANE", "signal", hbil__glsl_signal_HBIL_FILTER_PLANE },
+    { "HBIL_FILTER_NORMAL", "signal", hbil__glsl_signal_HBIL_FILTER_NORMAL },
+    { "hbil_surface", "signal", hbil__glsl_signal_hbil_surface },
+    { "hbil_surface_at", "signal", hbil__glsl_signal_hbil_surface_at },
+    { "hbil_belongs", "signal", hbil__glsl_signal_hbil_belongs },
+    { "HBIL_FILTER_RADIUS", "signal", hbil__glsl_signal_HBIL_FILTER_RADIUS },
+    { "hbil_blend", "signal", hbil__glsl_signal_hbil_blend },
+    { "hbil_filter_share", "signal", hbil__glsl_signal_hbil_filter_share },
+    { "hbil_filter", "signal", hbil__glsl_signal_hbil_filter },
+    { "HBIL_NOWHERE", "last", hbil__glsl_last_HBIL_NOWHERE },
+    { "hbil_pack_seen", "last", hbil__glsl_last_hbil_pack_seen },
+    { "hbil_seen_depth", "last", hbil__glsl_last_hbil_seen_depth },
+    { "hbil_move", "last", hbil__glsl_last_hbil_move },
+    { "hbil_last_position", "last", hbil__glsl_last_hbil_last_position },
+    { "hbil_pixel_of", "last", hbil__glsl_last_hbil_pixel_of },
+    { "hbil_landing", "last", hbil__glsl_last_hbil_landing },
+    { "hbil_depth_key", "last", hbil__glsl_last_hbil_depth_key },
+    { "hbil_claim", "last", hbil__glsl_last_hbil_claim },
+    { "hbil_last_pixel", "last", hbil__glsl_last_hbil_last_pixel },
+    { "HBIL_LAST_PLANE", "last", hbil__glsl_last_HBIL_LAST_PLANE },
+    { "hbil_taps", "last", hbil__glsl_last_hbil_taps },
+    { "hbil_find", "last", hbil__glsl_last_hbil_find },
+    { "hbil_pushed_at", "last", hbil__glsl_last_hbil_pushed_at },
+    { "HBIL_PUSHED", "last", hbil__glsl_last_HBIL_PUSHED },
+    { "hbil_has_pushed", "last", hbil__glsl_last_hbil_has_pushed },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
     { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
@@ -3511,6 +4523,19 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_tangent", "prepare", hbil__glsl_prepare_hbil_tangent },
     { "hbil_view_normal", "prepare", hbil__glsl_prepare_hbil_view_normal },
     { "main", "prepare", hbil__glsl_prepare_main },
+    { "main", "shrink", hbil__glsl_shrink_main },
+    { "main", "scatter", hbil__glsl_scatter_main },
+    { "main", "claim", hbil__glsl_claim_main },
+    { "hbil_tile", "push", hbil__glsl_push_hbil_tile },
+    { "hbil_landed_light", "push", hbil__glsl_push_hbil_landed_light },
+    { "hbil_push", "push", hbil__glsl_push_hbil_push },
+    { "hbil_push_pair", "push", hbil__glsl_push_hbil_push_pair },
+    { "main", "push", hbil__glsl_push_main },
+    { "HBIL_GAIN_MAX", "reproject", hbil__glsl_reproject_HBIL_GAIN_MAX },
+    { "hbil_pull", "reproject", hbil__glsl_reproject_hbil_pull },
+    { "hbil_last_light", "reproject", hbil__glsl_reproject_hbil_last_light },
+    { "hbil_grid_albedo", "reproject", hbil__glsl_reproject_hbil_grid_albedo },
+    { "main", "reproject", hbil__glsl_reproject_main },
     { "hbil_tile", "mips", hbil__glsl_mips_hbil_tile },
     { "hbil_tile_light", "mips", hbil__glsl_mips_hbil_tile_light },
     { "HBIL_SAME_SURFACE", "mips", hbil__glsl_mips_HBIL_SAME_SURFACE },
@@ -3528,23 +4553,23 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_march_swept", "march", hbil__glsl_march_hbil_march_swept },
     { "hbil_march", "march", hbil__glsl_march_hbil_march },
     { "hbil_mean", "march", hbil__glsl_march_hbil_mean },
-    { "hbil_store_ao", "march", hbil__glsl_march_hbil_store_ao },
-    { "hbil_store_near", "march", hbil__glsl_march_hbil_store_near },
-    { "hbil_store_bent", "march", hbil__glsl_march_hbil_store_bent },
     { "hbil_store_sh", "march", hbil__glsl_march_hbil_store_sh },
     { "hbil_store", "march", hbil__glsl_march_hbil_store },
-    { "hbil_store_sky", "march", hbil__glsl_march_hbil_store_sky },
     { "main", "march", hbil__glsl_march_main },
-    { "HBIL_FILTER_RADIUS", "filter", hbil__glsl_filter_HBIL_FILTER_RADIUS },
-    { "HBIL_FILTER_PLANE", "filter", hbil__glsl_filter_HBIL_FILTER_PLANE },
-    { "hbil_filter_weight", "filter", hbil__glsl_filter_hbil_filter_weight },
+    { "HBIL_RECTIFY_WIDTH", "temporal", hbil__glsl_temporal_HBIL_RECTIFY_WIDTH },
+    { "hbil_rectify", "temporal", hbil__glsl_temporal_hbil_rectify },
+    { "HBIL_SANE", "temporal", hbil__glsl_temporal_HBIL_SANE },
+    { "main", "temporal", hbil__glsl_temporal_main },
     { "main", "filter", hbil__glsl_filter_main },
+    { "main", "filter_2", hbil__glsl_filter_2_main },
+    { "main", "filter_3", hbil__glsl_filter_3_main },
+    { "main", "upsample", hbil__glsl_upsample_main },
     { "hbil_angle", "light", hbil__glsl_light_hbil_angle },
     { "hbil_caps", "light", hbil__glsl_light_hbil_caps },
     { "hbil_specular_occlusion", "light", hbil__glsl_light_hbil_specular_occlusion },
     { "hbil_multi_bounce", "light", hbil__glsl_light_hbil_multi_bounce },
-    { "hbil_load_albedo", "light", hbil__glsl_light_hbil_load_albedo },
     { "hbil_far_light", "light", hbil__glsl_light_hbil_far_light },
+    { "hbil_store_bounce", "light", hbil__glsl_light_hbil_store_bounce },
     { "hbil_shade", "light", hbil__glsl_light_hbil_shade },
     { "hbil_shade_sky", "light", hbil__glsl_light_hbil_shade_sky },
     { "main", "light", hbil__glsl_light_main },
@@ -4100,7 +5125,7 @@ static int hbil__next_line(hbil__lines *l, const char **line, size_t *len)
 }
 
 /* What the filtered text of a pass refers to: bits by table index. */
-typedef struct hbil__used { uint32_t chunks[8], textures[2], uniforms, options[2], hook; } hbil__used;
+typedef struct hbil__used { uint32_t chunks[8], textures[2], last[2], uniforms, options[2], hook, from, to; } hbil__used;
 
 static void hbil__mark(uint32_t *bits, int32_t i) { bits[i >> 5] |= 1u << (i & 31); }
 static int  hbil__marked(const uint32_t *bits, int32_t i) { return (int)(bits[i >> 5] >> (i & 31) & 1); }
@@ -4122,8 +5147,12 @@ static void hbil__scan_word(const hbil_config *c, int32_t pass, const char *s, s
     char name[40];
     hbil__sink k;
     if (s[0] == 'u') {
+        int last = len > 7 && memcmp(s, "u_last_", 7) == 0;
+        size_t head = last ? 7 : 2;
+        if (hbil__same("u_from", s, len)) used->from = 1;
+        if (hbil__same("u_to", s, len)) used->to = 1;
         for (i = 0; i < HBIL__COUNT(hbil__textures); ++i)
-            if (hbil__same(hbil__textures[i].name, s + 2, len - 2)) hbil__mark(used->textures, i);
+            if (hbil__same(hbil__textures[i].name, s + head, len - head)) hbil__mark(last ? used->last : used->textures, i);
         return;
     }
     for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
@@ -4177,10 +5206,18 @@ static void hbil__scan_pass(const hbil_config *c, int32_t pass, hbil__used *used
  * >>plan       config -> textures, passes, barriers, uniform block
  * ====================================================================== */
 
-/* HBIL_SIZE is a literal when the config bakes the size. */
+/* Sizes are literals when the config bakes them. */
 static int hbil__size_baked(const hbil_config *c, int32_t uniform)
 {
-    return c->width && strcmp(hbil__uniforms[uniform].name, "HBIL_SIZE") == 0;
+    return c->width && (strcmp(hbil__uniforms[uniform].name, "HBIL_SIZE") == 0 ||
+                        strcmp(hbil__uniforms[uniform].name, "HBIL_FULL_SIZE") == 0);
+}
+
+/* Layers of a signal: see signal.glsl. */
+static uint16_t hbil__signal_layers(const hbil_config *c)
+{
+    return (uint16_t)(hbil__holds(c, "HBIL_LIGHT_LAYER") + hbil__holds(c, "HBIL_BENT_LAYER") + hbil__holds(c, "HBIL_FAR_LAYER") +
+                      4 * hbil__holds(c, "HBIL_OUTPUTS_SH"));
 }
 
 static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_t texture)
@@ -4191,13 +5228,29 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     t = &p->textures[p->texture_count];
     memcpy(t->name, hbil__textures[texture].name, strlen(hbil__textures[texture].name));
     t->format = hbil__textures[texture].format;
+    if (t->format == HBIL_FORMAT_SIGNAL) t->format = c->storage == HBIL_STORAGE_HALF ? HBIL_FORMAT_RGBA16F : HBIL_FORMAT_RGBA32F;
     t->life = hbil__textures[texture].life;
     if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;
-    t->div = t->mips = t->copies = 1;
+    t->div = hbil__textures[texture].grid ? (uint16_t)c->downscale : 1;
+    t->mips = 1;
+    t->copies = t->life == HBIL_LIFE_HISTORY ? 2 : 1;
     t->dim = hbil__textures[texture].dim;
     if (t->dim == HBIL_DIM_2D_MULTISAMPLE && c->multisample != HBIL_MULTISAMPLE_YES) t->dim = HBIL_DIM_2D;
-    t->layers = hbil__textures[texture].layers ? hbil__textures[texture].layers : (uint16_t)(2 * c->slices);
+    t->layers = hbil__textures[texture].layers;
+    if (t->layers == HBIL__LAYERS_SIDES) t->layers = (uint16_t)(2 * c->slices);
+    if (t->layers == HBIL__LAYERS_SIGNAL) t->layers = hbil__signal_layers(c);
     return (int32_t)p->texture_count++;
+}
+
+/* Does the text of a pass name what a row of its bindings binds? */
+static int hbil__names(const hbil__used *used, int32_t bind)
+{
+    switch (hbil__binds[bind].role) {
+    case HBIL_ROLE_LAST: return hbil__marked(used->last, hbil__binds[bind].texture);
+    case HBIL_ROLE_FROM: return (int)used->from;
+    case HBIL_ROLE_TO:   return (int)used->to;
+    default:             return hbil__marked(used->textures, hbil__binds[bind].texture);
+    }
 }
 
 static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass, const hbil__used *used)
@@ -4212,11 +5265,11 @@ static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass
     out->hook = (uint16_t)used->hook;
     for (i = 0; i < HBIL__COUNT(hbil__binds); ++i) {
         hbil_binding *b = &out->bindings[out->binding_count];
-        if (hbil__binds[i].pass != pass || !hbil__marked(used->textures, hbil__binds[i].texture) ||
-            !hbil__holds(c, hbil__binds[i].when)) continue;
+        if (hbil__binds[i].pass != pass || !hbil__names(used, i) || !hbil__holds(c, hbil__binds[i].when)) continue;
         b->texture = (uint16_t)hbil__plan_add_texture(p, c, hbil__binds[i].texture);
-        b->access = (uint8_t)hbil__binds[i].access;
-        b->update = (uint8_t)hbil__binds[i].update;
+        b->role = (uint8_t)hbil__binds[i].role;
+        b->access = hbil__roles[b->role].access;
+        b->age = hbil__roles[b->role].age;
         /* GL has a name space of its own for textures, images and uniform blocks; Vulkan has one, block first */
         b->slot = c->target == HBIL_TARGET_GL ? slots[b->access]++ : (uint16_t)(out->binding_count + 1);
         ++out->binding_count;
@@ -4254,16 +5307,20 @@ static int hbil__reads_block(const hbil_config *c, const hbil__used *used)
     return 0;
 }
 
-/* One round of all passes over the state of each texture: bit 0 written and not yet visible to samplers, bit 1 sampled
- * since, bit 2 written at all. */
-static void hbil__plan_barriers(hbil_plan *p, uint8_t state[HBIL_MAX_TEXTURES], int record)
+/* Most copies of a history, and frames until every copy has been met in every role. */
+enum { HBIL__COPIES_MAX = 2, HBIL__ROUNDS = 2 * HBIL__COPIES_MAX };
+
+/* One round of all passes over the state of each copy of each texture: bit 0 written and not yet visible to samplers, bit 1
+ * sampled since, bit 2 written at all. */
+static void hbil__plan_barriers(hbil_plan *p, uint8_t state[HBIL_MAX_TEXTURES][HBIL__COPIES_MAX], uint32_t frame, int record)
 {
     uint32_t i, b;
     for (i = 0; i < p->pass_count; ++i) {
         hbil_pass *pass = &p->passes[i];
         for (b = 0; b < pass->binding_count; ++b) {
             const hbil_binding *bind = &pass->bindings[b];
-            uint8_t *s = &state[bind->texture], before = 0;
+            uint32_t copies = p->textures[bind->texture].copies;
+            uint8_t *s = &state[bind->texture][(frame + copies - bind->age) % copies], before = 0;
             if (bind->access == HBIL_ACCESS_SAMPLE) {
                 if (*s & 1) before = HBIL_ACCESS_WRITE;
                 *s = (uint8_t)((*s & ~1) | 2);
@@ -4284,13 +5341,14 @@ static void hbil__plan_barriers(hbil_plan *p, uint8_t state[HBIL_MAX_TEXTURES], 
 
 static void hbil__plan_all_barriers(hbil_plan *p)
 {
-    uint8_t state[HBIL_MAX_TEXTURES];
-    uint32_t t;
+    uint8_t state[HBIL_MAX_TEXTURES][HBIL__COPIES_MAX];
+    uint32_t t, frame;
     memset(state, 0, sizeof state);
-    hbil__plan_barriers(p, state, 0); /* the frame before, whose transients this one meets again */
+    for (frame = 0; frame < HBIL__ROUNDS; ++frame) /* the frames before, whose transients and histories this one meets again */
+        hbil__plan_barriers(p, state, frame, 0);
     for (t = 0; t < p->texture_count; ++t)
-        if (p->textures[t].life <= HBIL_LIFE_OUTPUT) state[t] = 0; /* yours between frames */
-    hbil__plan_barriers(p, state, 1);
+        if (p->textures[t].life <= HBIL_LIFE_OUTPUT) memset(state[t], 0, sizeof state[t]); /* yours between frames */
+    hbil__plan_barriers(p, state, HBIL__ROUNDS, 1);
 }
 
 /* ======================================================================
@@ -4311,6 +5369,12 @@ static int32_t hbil__texture_row(const char *name)
     return 0;
 }
 
+static void hbil__put_binding_name(hbil__sink *s, const hbil_plan *p, const hbil_binding *bind)
+{
+    hbil__puts(s, hbil__roles[bind->role].name);
+    if (hbil__roles[bind->role].named) hbil__puts(s, p->textures[bind->texture].name);
+}
+
 static void hbil__put_bindings_comment(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass, hbil_access access)
 {
     uint32_t b, some = 0;
@@ -4319,8 +5383,8 @@ static void hbil__put_bindings_comment(hbil__sink *s, const hbil_plan *p, const 
         if (pass->bindings[b].access != access) continue;
         hbil__puts(s, some++ ? ", " : access == HBIL_ACCESS_SAMPLE ? "// reads    : " : "// writes   : ");
         hbil__put_int(s, pass->bindings[b].slot);
-        hbil__puts(s, " u_");
-        hbil__puts(s, t->name);
+        hbil__puts(s, " ");
+        hbil__put_binding_name(s, p, &pass->bindings[b]);
         hbil__puts(s, " (");
         hbil__puts(s, hbil_format_name((hbil_format)t->format));
         hbil__puts(s, ")");
@@ -4391,13 +5455,14 @@ static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pa
             hbil__puts(s, ", ");
             hbil__puts(s, hbil_format_name((hbil_format)t->format));
         }
-        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE && !bind->update ? ") uniform writeonly " : ") uniform ");
+        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE && bind->role != HBIL_ROLE_UPDATE ? ") uniform writeonly " : ") uniform ");
         if (t->format == HBIL_FORMAT_R32UI) hbil__puts(s, "u");
         hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? "image" : "sampler");
         hbil__puts(s, hbil__dims[t->dim]);
-        hbil__puts(s, " u_");
-        hbil__puts(s, t->name);
+        hbil__puts(s, " ");
+        hbil__put_binding_name(s, p, bind);
         hbil__puts(s, "; // ");
+        hbil__puts(s, bind->age ? "last frame's copy: " : "");
         hbil__puts(s, hbil__textures[hbil__texture_row(t->name)].meaning);
         hbil__puts(s, "\n");
     }
@@ -4450,11 +5515,14 @@ static void hbil__emit_constants(hbil__sink *s, const hbil_config *c, const hbil
 {
     int32_t i, some = 0;
     for (i = 0; i < HBIL__COUNT(hbil__uniforms); ++i) {
+        int32_t div = strcmp(hbil__uniforms[i].name, "HBIL_SIZE") ? 1 : c->downscale;
         if (!hbil__marked(&used->uniforms, i) || !hbil__size_baked(c, i)) continue;
-        hbil__puts(s, "const ivec2 HBIL_SIZE = ivec2(");
-        hbil__put_int(s, c->width);
+        hbil__puts(s, "const ivec2 ");
+        hbil__puts(s, hbil__uniforms[i].name);
+        hbil__puts(s, " = ivec2(");
+        hbil__put_int(s, (c->width + div - 1) / div);
         hbil__puts(s, ", ");
-        hbil__put_int(s, c->height);
+        hbil__put_int(s, (c->height + div - 1) / div);
         hbil__puts(s, "); // ");
         hbil__puts(s, hbil__uniforms[i].meaning);
         hbil__puts(s, "\n");
@@ -4703,7 +5771,7 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
         hbil__json_text(s, "access", hbil__access_names[bind->access], 0);
         hbil__json_int(s, "age", bind->age, 0);
         hbil__json_int(s, "mip", bind->mip, 0);
-        hbil__json_int(s, "update", bind->update, 0);
+        hbil__json_text(s, "role", hbil__role_names[bind->role], 0);
         hbil__puts(s, "}");
     }
     hbil__puts(s, "],\n     \"barriers\": [");
@@ -4726,6 +5794,8 @@ typedef struct hbil__camera {
     double pixel_to_ray[4];  /* HBIL_PIXEL_TO_RAY */
     double depth_to_view[2]; /* HBIL_DEPTH_TO_VIEW */
     double view_z;           /* HBIL_VIEW_Z */
+    double last_to_ray[4];   /* HBIL_LAST_TO_RAY; this and below: only if the plan looks back */
+    double last_from_view[12], view_from_last[12];
 } hbil__camera;
 
 static int hbil__frame_fault(hbil_diags *diags, const char *text, const char *fix)
@@ -4742,26 +5812,39 @@ static int hbil__all_finite(const float *m, int n)
     return 1;
 }
 
-/* Rows 0 and 1 of a projection: view x alone makes clip x, view y alone clip y, z may shift both. */
-static int hbil__read_rays(const float *m, int perspective, hbil_diags *diags, hbil__camera *out)
+/* Rows 0 and 1 of a projection: view x alone makes clip x, view y alone clip y, z may shift both. To `ray`: view xy at depth 1 or
+ * at any depth = ndc * xy + zw. 1, or 0: not such a matrix, *why and *fix say more. */
+static int hbil__read_rays(const float *m, int perspective, double ray[4], double *view_z, const char **why, const char **fix)
 {
     double w = perspective ? (m[11] < 0 ? -(double)m[11] : (double)m[11]) : (double)m[15];
     double z = perspective ? (m[11] < 0 ? -1.0 : 1.0) : 0.0;
-    if (!hbil__all_finite(m, 16)) return hbil__frame_fault(diags, "projection: holds NaN or infinity", "; fill all 16 numbers");
-    if (perspective ? m[3] != 0 || m[7] != 0 || m[11] == 0 || m[15] != 0 : m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
-        return hbil__frame_fault(diags, perspective ? "projection: not a perspective matrix" : "projection: not an orthographic matrix",
-                                 perspective ? "; is it column-major? else set projection=orthographic"
-                                             : "; is it column-major? else set projection=perspective");
-    if (m[0] == 0 || m[5] == 0 || m[1] != 0 || m[4] != 0)
-        return hbil__frame_fault(diags, "projection: view x must map to clip x and y to clip y", "; rotated screens: rotate the view instead");
-    if (!perspective && (m[8] != 0 || m[9] != 0))
-        return hbil__frame_fault(diags, "projection: oblique orthographic cameras are not supported", "; remove the shear");
-    out->view_z = z; /* orthographic: found from the depth row */
-    out->pixel_to_ray[0] = w / (double)m[0];
-    out->pixel_to_ray[1] = w / (double)m[5];
-    out->pixel_to_ray[2] = (perspective ? -z * (double)m[8] : -(double)m[12]) / (double)m[0];
-    out->pixel_to_ray[3] = (perspective ? -z * (double)m[9] : -(double)m[13]) / (double)m[5];
+    *why = "projection: holds NaN or infinity";
+    *fix = "; fill all 16 numbers";
+    if (!hbil__all_finite(m, 16)) return 0;
+    *why = perspective ? "projection: not a perspective matrix" : "projection: not an orthographic matrix";
+    *fix = perspective ? "; is it column-major? else set projection=orthographic" : "; is it column-major? else set projection=perspective";
+    if (perspective ? m[3] != 0 || m[7] != 0 || m[11] == 0 || m[15] != 0 : m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0) return 0;
+    *why = "projection: view x must map to clip x and y to clip y";
+    *fix = "; rotated screens: rotate the view instead";
+    if (m[0] == 0 || m[5] == 0 || m[1] != 0 || m[4] != 0) return 0;
+    *why = "projection: oblique orthographic cameras are not supported";
+    *fix = "; remove the shear";
+    if (!perspective && (m[8] != 0 || m[9] != 0)) return 0;
+    *view_z = z; /* orthographic: found from the depth row */
+    ray[0] = w / (double)m[0];
+    ray[1] = w / (double)m[5];
+    ray[2] = (perspective ? -z * (double)m[8] : -(double)m[12]) / (double)m[0];
+    ray[3] = (perspective ? -z * (double)m[9] : -(double)m[13]) / (double)m[5];
     return 1;
+}
+
+/* From ndc to pixels of the grid: ndc = 2 pixel / size - 1. */
+static void hbil__rays_of_pixels(double ray[4], uint32_t w, uint32_t h, int32_t downscale)
+{
+    ray[2] -= ray[0];
+    ray[3] -= ray[1];
+    ray[0] *= 2.0 * downscale / w;
+    ray[1] *= 2.0 * downscale / h;
 }
 
 /* Row 2: v(d) as d * x + y. ndc z at d = 0 and 1 follow from direction and clip. */
@@ -4796,37 +5879,82 @@ static int hbil__read_depth(const hbil_config *c, const float *m, hbil_diags *di
     return 1;
 }
 
+/* A rigid world to view matrix? */
+static int hbil__is_rigid(const float *m)
+{
+    int i, j, k;
+    for (i = 0; i < 3; ++i)
+        for (j = i; j < 3; ++j) {
+            double dot = 0;
+            for (k = 0; k < 3; ++k) dot += (double)m[k * 4 + i] * (double)m[k * 4 + j];
+            if (i == j) dot -= 1;
+            if (dot > 1e-3 || dot < -1e-3) return 0;
+        }
+    return 1;
+}
+
+/* Rows of the motion from the space of view a to that of view b, z into the screen in both: b(world(x)). */
+static void hbil__relate(const float *a, const float *b, double view_z, double out[12])
+{
+    int i, j, k;
+    for (i = 0; i < 3; ++i) {
+        out[4 * i + 3] = (double)b[12 + i];
+        for (j = 0; j < 3; ++j) {
+            double r = 0;
+            for (k = 0; k < 3; ++k) r += (double)b[4 * k + i] * (double)a[4 * k + j];
+            out[4 * i + 3] -= r * (double)a[12 + j];
+            out[4 * i + j] = r * (i == 2 ? view_z : 1.0) * (j == 2 ? view_z : 1.0);
+        }
+        if (i == 2) out[4 * i + 3] *= view_z;
+    }
+}
+
+/* The camera of the last frame, and the way from one to the other. After a reset: this frame's. */
+static int hbil__read_last(const hbil_config *c, const hbil_frame *f, uint32_t w, uint32_t h, hbil_diags *diags, hbil__camera *out)
+{
+    const float *projection = f->reset ? f->projection : f->last_projection, *view = f->reset ? f->view : f->last_view;
+    uint32_t lw = f->last_width && !f->reset ? f->last_width : w, lh = f->last_height && !f->reset ? f->last_height : h;
+    const char *why, *fix;
+    double view_z;
+    if (lw > 16384 || lh > 16384) return hbil__frame_fault(diags, "frame: last_width and last_height must be in [0, 16384]", "");
+    if (!hbil__read_rays(projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, out->last_to_ray, &view_z, &why, &fix))
+        return hbil__frame_fault(diags, "last_projection: not a matrix as projection is", "; fill it, or set reset=1 in the first frame");
+    if (!hbil__all_finite(f->view, 16) || !hbil__is_rigid(f->view))
+        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+    if (!hbil__all_finite(view, 16) || !hbil__is_rigid(view))
+        return hbil__frame_fault(diags, "last_view: not a rotation and translation", "; fill it, or set reset=1 in the first frame");
+    hbil__rays_of_pixels(out->last_to_ray, lw, lh, c->downscale);
+    hbil__relate(f->view, view, out->view_z, out->last_from_view);
+    hbil__relate(view, f->view, out->view_z, out->view_from_last);
+    return 1;
+}
+
 static int hbil__read_camera(const hbil_plan *p, const hbil_frame *f, hbil_diags *diags, hbil__camera *out)
 {
     const hbil_config *c = &p->config;
-    uint32_t w = f->width ? f->width : (uint32_t)c->width, h = f->height ? f->height : (uint32_t)c->height;
+    uint32_t i, w = f->width ? f->width : (uint32_t)c->width, h = f->height ? f->height : (uint32_t)c->height;
+    const char *why, *fix;
     memset(out, 0, sizeof *out);
     if (f->guard) return hbil__frame_fault(diags, "frame: guard is not 0", "; zero the struct before filling it");
     if (w < 1 || w > 16384 || h < 1 || h > 16384) return hbil__frame_fault(diags, "frame: width and height must be in [1, 16384]", "");
     if (c->width && (w != (uint32_t)c->width || h != (uint32_t)c->height))
         return hbil__frame_fault(diags, "frame: size differs from the baked one", "; set width and height to default");
-    if (!hbil__read_rays(f->projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, diags, out)) return 0;
+    if (!hbil__read_rays(f->projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, out->pixel_to_ray, &out->view_z, &why, &fix))
+        return hbil__frame_fault(diags, why, fix);
     if (!hbil__read_depth(c, f->projection, diags, out)) return 0;
-    out->pixel_to_ray[2] -= out->pixel_to_ray[0]; /* ndc = 2 pixel / size - 1 */
-    out->pixel_to_ray[3] -= out->pixel_to_ray[1];
-    out->pixel_to_ray[0] *= 2.0 / w;
-    out->pixel_to_ray[1] *= 2.0 / h;
+    hbil__rays_of_pixels(out->pixel_to_ray, w, h, c->downscale);
+    for (i = 0; i < p->constant_count; ++i)
+        if (strcmp(p->constants[i].name, "HBIL_RESET") == 0) return hbil__read_last(c, f, w, h, diags, out);
     return 1;
 }
 
 /* Columns of the rotation from world to view, third row turned into the screen. */
 static int hbil__pack_rotation(const hbil_frame *f, double view_z, float out[12], hbil_diags *diags)
 {
-    int i, j, k;
+    int i;
     if (!hbil__all_finite(f->view, 16)) return hbil__frame_fault(diags, "view: holds NaN or infinity", "; fill all 16 numbers");
-    for (i = 0; i < 3; ++i)
-        for (j = i; j < 3; ++j) {
-            double dot = 0;
-            for (k = 0; k < 3; ++k) dot += (double)f->view[k * 4 + i] * (double)f->view[k * 4 + j];
-            if (i == j) dot -= 1;
-            if (dot > 1e-3 || dot < -1e-3)
-                return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
-        }
+    if (!hbil__is_rigid(f->view))
+        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
     for (i = 0; i < 3; ++i) {
         out[i * 4 + 0] = f->view[i * 4 + 0];
         out[i * 4 + 1] = f->view[i * 4 + 1];
@@ -4892,7 +6020,7 @@ static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t op
 static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__camera *cam, const hbil_constant *k,
                           unsigned char *out, hbil_diags *diags)
 {
-    union { float f[20]; int32_t i[2]; uint32_t u; } v;
+    union { float f[20]; int32_t i[2]; uint32_t u; } v; /* as large as the largest type */
     int i, j;
     memset(&v, 0, sizeof v);
     if (k->option >= 0) {
@@ -4903,9 +6031,20 @@ static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__c
         for (i = 0; i < 4; ++i) v.f[i] = (float)cam->pixel_to_ray[i];
     } else if (strcmp(k->name, "HBIL_DEPTH_TO_VIEW") == 0) {
         for (j = 0; j < 2; ++j) v.f[j] = (float)cam->depth_to_view[j];
-    } else if (strcmp(k->name, "HBIL_SIZE") == 0) {
+    } else if (strcmp(k->name, "HBIL_FULL_SIZE") == 0) {
         v.i[0] = (int32_t)f->width;
         v.i[1] = (int32_t)f->height;
+    } else if (strcmp(k->name, "HBIL_SIZE") == 0 || strcmp(k->name, "HBIL_LAST_SIZE") == 0) {
+        int last = k->name[5] == 'L' && !f->reset, div = p->config.downscale;
+        uint32_t w = f->width ? f->width : (uint32_t)p->config.width, h = f->height ? f->height : (uint32_t)p->config.height;
+        v.i[0] = ((int32_t)(last && f->last_width ? f->last_width : w) + div - 1) / div;
+        v.i[1] = ((int32_t)(last && f->last_height ? f->last_height : h) + div - 1) / div;
+    } else if (strcmp(k->name, "HBIL_LAST_TO_RAY") == 0) {
+        for (i = 0; i < 4; ++i) v.f[i] = (float)cam->last_to_ray[i];
+    } else if (strcmp(k->name, "HBIL_LAST_FROM_VIEW") == 0 || strcmp(k->name, "HBIL_VIEW_FROM_LAST") == 0) {
+        for (i = 0; i < 12; ++i) v.f[i] = (float)(k->name[5] == 'L' ? cam->last_from_view[i] : cam->view_from_last[i]);
+    } else if (strcmp(k->name, "HBIL_RESET") == 0) {
+        v.u = f->reset != 0;
     } else if (strcmp(k->name, "HBIL_WORLD_TO_VIEW") == 0) {
         if (!hbil__pack_rotation(f, cam->view_z, v.f, diags)) return 0;
     } else if (strcmp(k->name, "HBIL_VIEW_Z") == 0) {

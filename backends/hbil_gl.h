@@ -18,7 +18,8 @@
  *   [ ] Contexts older than 4.3 with ARB_compute_shader and friends
  *   [ ] Mip chains: no plan has them yet
  *   [ ] Transient textures that share memory
- *   [ ] History textures cleared on resize: they start with undefined content
+ *   [x] The first frame after a resize begins without history
+ *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
  *   [ ] Program binaries: cache them around this file, or let the driver do it
  *
  * Who owns what
@@ -81,6 +82,7 @@
  *      hbil_gl_shutdown(&gl);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-25  NEW   frames smaller than the textures; the first frame after a resize has no history
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook
  *   2026-11-22  NEW   first version
  */
@@ -205,6 +207,8 @@ typedef struct hbil_gl {
     hbil_plan plan;
     uint32_t  width, height;    /* render size of our textures; 0 before the first resize */
     int       runnable;         /* 1 after a resize that succeeded */
+    int       fresh;            /* 1: our textures hold garbage */
+    uint32_t  frames;           /* run so far: picks the copies of history */
     int       timings;
     uint32_t  texture_units[HBIL_GL__DIMS]; /* by hbil_dim. bit n: unit n is used with that target; [0]: with any */
     uint32_t  image_units;      /* bit n: unit n is used */
@@ -271,7 +275,7 @@ enum {
     HBIL_GL__TEXTURE_DEPTH = 0x8071, HBIL_GL__TEXTURE_SAMPLES = 0x9106,
     HBIL_GL__TEXTURE_WIDTH = 0x1000, HBIL_GL__TEXTURE_HEIGHT = 0x1001, HBIL_GL__TEXTURE_INTERNAL_FORMAT = 0x1003,
     HBIL_GL__TEXTURE_RED_TYPE = 0x8C10, HBIL_GL__INT = 0x1404, HBIL_GL__UNSIGNED_INT = 0x1405,
-    HBIL_GL__R32F = 0x822E, HBIL_GL__R32UI = 0x8236, HBIL_GL__RGBA32F = 0x8814,
+    HBIL_GL__R32F = 0x822E, HBIL_GL__R32UI = 0x8236, HBIL_GL__RGBA32F = 0x8814, HBIL_GL__RGBA16F = 0x881A,
     HBIL_GL__IMAGE_BINDING_NAME = 0x8F3A, HBIL_GL__IMAGE_BINDING_LEVEL = 0x8F3B, HBIL_GL__IMAGE_BINDING_LAYERED = 0x8F3C,
     HBIL_GL__IMAGE_BINDING_LAYER = 0x8F3D, HBIL_GL__IMAGE_BINDING_ACCESS = 0x8F3E, HBIL_GL__IMAGE_BINDING_FORMAT = 0x906E,
     HBIL_GL__WRITE_ONLY = 0x88B9, HBIL_GL__READ_WRITE = 0x88BA,
@@ -582,6 +586,7 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
         ctx->width = width;
         ctx->height = height;
         ctx->runnable = 1;
+        if (!keep) ctx->fresh = 1;
     }
     return result;
 }
@@ -646,14 +651,14 @@ static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
     gl->useProgram(gl->isProgram((unsigned)s->program) ? (unsigned)s->program : 0);
 }
 
-static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t frame_index)
+static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t frame)
 {
     const hbil_gl_functions *gl = &ctx->gl;
     const hbil_texture *t = &ctx->plan.textures[b->texture];
-    unsigned name = ctx->texture[b->texture][(frame_index % t->copies + t->copies - b->age) % t->copies];
+    unsigned name = ctx->texture[b->texture][(frame % t->copies + t->copies - b->age) % t->copies];
     if (b->access == HBIL_ACCESS_WRITE) {
         gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0,
-                             b->update ? HBIL_GL__READ_WRITE : HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
+                             b->role == HBIL_ROLE_UPDATE ? HBIL_GL__READ_WRITE : HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
     } else {
         gl->activeTexture(HBIL_GL__TEXTURE0 + (unsigned)b->slot);
         gl->bindTexture(hbil_gl__targets[t->dim].target, name);
@@ -663,7 +668,7 @@ static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t fr
 
 /* A GL barrier is named by the access that follows it. The image bit also holds stores back until earlier fetches are done
  * (OpenGL 4.3 core, section 7.12.2), so write-after-read needs nothing else. */
-static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame_index, const hbil_dispatch *grid)
+static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame, const hbil_dispatch *grid)
 {
     const hbil_gl_functions *gl = &ctx->gl;
     const hbil_pass *pass = &ctx->plan.passes[index];
@@ -673,7 +678,7 @@ static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame
         bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
                                                              : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
     if (bits) gl->memoryBarrier(bits);
-    for (i = 0; i < pass->binding_count; ++i) hbil_gl__bind(ctx, &pass->bindings[i], frame_index);
+    for (i = 0; i < pass->binding_count; ++i) hbil_gl__bind(ctx, &pass->bindings[i], frame);
     gl->useProgram(ctx->program[index]);
     gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
 }
@@ -704,6 +709,7 @@ unsigned hbil_gl_format(hbil_format format)
     case HBIL_FORMAT_R32F:    return HBIL_GL__R32F;
     case HBIL_FORMAT_R32UI:   return HBIL_GL__R32UI;
     case HBIL_FORMAT_RGBA32F: return HBIL_GL__RGBA32F;
+    case HBIL_FORMAT_RGBA16F: return HBIL_GL__RGBA16F;
     case HBIL_FORMAT_ANY:
     case HBIL_FORMAT_COUNT:   break;
     }
@@ -770,6 +776,7 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
     unsigned char block[HBIL_CONSTANTS_MAX];
     hbil_dispatch grid[HBIL_MAX_PASSES];
     hbil_gl__state state;
+    hbil_frame now;
     hbil_diag diag;
     hbil_diags diags;
     uint32_t width, height, pass;
@@ -778,9 +785,12 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_run: hbil_gl_resize has to succeed first, frame has to be given");
     width = frame->width ? frame->width : (uint32_t)ctx->plan.config.width;
     height = frame->height ? frame->height : (uint32_t)ctx->plan.config.height;
-    if (width != ctx->width || height != ctx->height)
+    if (width > ctx->width || height > ctx->height)
         return hbil_gl__fail(ctx, HBIL_GL_E_FRAME, "the frame is %u x %u, the last resize was %u x %u: call hbil_gl_resize",
                              (unsigned)width, (unsigned)height, (unsigned)ctx->width, (unsigned)ctx->height);
+    now = *frame;
+    if (ctx->fresh) now.reset = 1; /* our textures hold garbage */
+    frame = &now;
     memset(&diag, 0, sizeof diag);
     diags.items = &diag;
     diags.capacity = 1;
@@ -798,10 +808,12 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
     }
     for (pass = 0; pass < ctx->plan.pass_count; ++pass) {
         int64_t start = ctx->timings ? hbil_gl__time(ctx) : 0;
-        hbil_gl__dispatch(ctx, pass, frame->index, &grid[pass]);
+        hbil_gl__dispatch(ctx, pass, ctx->frames, &grid[pass]);
         if (ctx->timings) ctx->ms[pass] = (double)(hbil_gl__time(ctx) - start) * 1e-6;
     }
     hbil_gl__restore(ctx, &state);
+    ctx->fresh = 0;
+    ++ctx->frames;
     return HBIL_GL_OK;
 }
 

@@ -8,7 +8,7 @@
  * [x] barriers are complete: every hazard between two passes has one
  * [x] barriers are minimal: each one orders at least one hazard that no other orders
  * [x] slots are unique in their name space and start where the target wants them
- * [x] grids cover their domain, or the lines of a sweep, and are not a group too large; update only where there is a WRITE
+ * [x] grids cover their domain, or the lines of a sweep, and are not a group too large; roles that fit access and age
  * [x] shapes: only inputs are multisampled, cubes or 3D; what is written is 2D or 2D_ARRAY; layers fit the shape
  * [x] ages below copies, mips below mips, indices in range, outputs written, no texture unused
  * [ ] aliasing of transient memory: needs lifetimes, a later version
@@ -23,7 +23,7 @@
  *   5. 0: run it. Else print items[i].text.
  *
  * CHANGELOG
- *   2026-11-25  NEW lines, update.
+ *   2026-11-25  NEW lines, roles.
  *   2026-11-24  NEW shapes.
  *   2026-11     NEW first version. */
 #ifndef HBIL_NULL_H
@@ -52,7 +52,7 @@ int hbil_null_check(const hbil_plan *plan, uint32_t width, uint32_t height, hbil
 #include <stdio.h>
 #include <string.h>
 
-#define HBIL_NULL__FRAMES 3 /* the last one has met every copy of a two-copy history before */
+#define HBIL_NULL__FRAMES 4 /* the last one has met every copy of a two-copy history in every role */
 #define HBIL_NULL__EVENTS (HBIL_NULL__FRAMES * HBIL_MAX_PASSES * HBIL_MAX_BINDINGS)
 
 /* One access of one pass of one frame to one copy of a texture. time counts passes over all frames. */
@@ -63,7 +63,7 @@ typedef struct hbil_null__walk {
     hbil_diags      *diags;
     int              faults, event_count;
     hbil_null__event events[HBIL_NULL__EVENTS];
-    uint8_t          useful[HBIL_MAX_PASSES][HBIL_MAX_BINDINGS]; /* barriers of the last frame that order a hazard */
+    uint8_t          useful[HBIL_MAX_PASSES][HBIL_MAX_BINDINGS]; /* barriers that order a hazard of the last frame */
 } hbil_null__walk;
 
 static void hbil_null__fault(hbil_null__walk *w, int pass, int texture, const char *what)
@@ -145,7 +145,9 @@ static void hbil_null__check_slots(hbil_null__walk *w, int pass)
         const hbil_binding *x = &a->bindings[i];
         if (!gl && a->constants && x->slot == p->constants_slot) hbil_null__fault(w, pass, x->texture, "slot of the uniform block");
         if (gl && x->slot >= (x->access == HBIL_ACCESS_WRITE ? 8 : 16)) hbil_null__fault(w, pass, x->texture, "more units than GL 4.3 promises");
-        if (x->update && x->access != HBIL_ACCESS_WRITE) hbil_null__fault(w, pass, x->texture, "update, but not written");
+        if (x->role < HBIL_ROLE_SAMPLE || x->role >= HBIL_ROLE_COUNT) hbil_null__fault(w, pass, x->texture, "role is no hbil_role");
+        if (x->role == HBIL_ROLE_UPDATE && x->access != HBIL_ACCESS_WRITE) hbil_null__fault(w, pass, x->texture, "update, but not written");
+        if ((x->role == HBIL_ROLE_LAST) != (x->age > 0)) hbil_null__fault(w, pass, x->texture, "last frame's, but its age is not 1");
         if (x->age >= p->textures[x->texture].copies) hbil_null__fault(w, pass, x->texture, "age is not below copies");
         if (x->mip >= p->textures[x->texture].mips) hbil_null__fault(w, pass, x->texture, "mip is not below mips");
         for (j = 0; j < i; ++j) {
@@ -201,18 +203,18 @@ static void hbil_null__run(hbil_null__walk *w)
             }
 }
 
-/* Is there a barrier after event a, up to and including the pass of event b? Marks those of the last frame. */
+/* Is there a barrier after event a, up to and including the pass of event b? Marks the first that is. */
 static int hbil_null__ordered(hbil_null__walk *w, const hbil_null__event *a, const hbil_null__event *b)
 {
     const hbil_plan *p = w->plan;
-    int time, found = 0, count = (int)p->pass_count, last = (HBIL_NULL__FRAMES - 1) * count;
+    int time, found = 0, count = (int)p->pass_count;
     uint32_t k;
     for (time = a->time + 1; time <= b->time && !found; ++time)
         for (k = 0; k < p->passes[time % count].barrier_count; ++k) {
             const hbil_barrier *bar = &p->passes[time % count].barriers[k];
             if (bar->texture != a->texture || bar->before != (a->write ? HBIL_ACCESS_WRITE : HBIL_ACCESS_SAMPLE) ||
                 bar->after != (b->write ? HBIL_ACCESS_WRITE : HBIL_ACCESS_SAMPLE)) continue;
-            if (time >= last) w->useful[time % count][k] = 1;
+            w->useful[time % count][k] = 1; /* of any frame: all have the same barriers */
             found = 1;
             break;
         }

@@ -11,7 +11,8 @@
  *   [x] 2D, multisampled, array, cube and 3D textures; resources of your own for environment=hook
  *   [x] Any number of frames in flight without copies: constants are written on the device's own time line
  *   [x] Milliseconds per pass
- *   [x] History textures cleared to 0 on resize
+ *   [x] The first frame after a resize begins without history
+ *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
  *   [ ] Mip chains: no plan has them yet
  *   [ ] Transient textures that share memory
  *   [ ] Queue family transfers: record them around hbil_vk_record yourself
@@ -66,6 +67,7 @@
  *   5. Each frame, after your G-buffer: hbil_vk_record(&vk, cmd, &frame); submit as ever. At the end: hbil_vk_shutdown(&vk);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-25  NEW   frames smaller than the images; history needs no clearing
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook_layout, hook_set
  *   2026-11-22  NEW   first version
  */
@@ -131,7 +133,7 @@ typedef struct hbil_vk_info {
     X(CreateDescriptorPool) X(DestroyDescriptorPool) X(AllocateDescriptorSets) X(UpdateDescriptorSets)           \
     X(CreateShaderModule) X(DestroyShaderModule) X(CreatePipelineLayout) X(DestroyPipelineLayout)                \
     X(CreateComputePipelines) X(DestroyPipeline) X(CreateQueryPool) X(DestroyQueryPool) X(GetQueryPoolResults)   \
-    X(CmdPipelineBarrier) X(CmdUpdateBuffer) X(CmdClearColorImage) X(CmdResetQueryPool) X(CmdWriteTimestamp)     \
+    X(CmdPipelineBarrier) X(CmdUpdateBuffer) X(CmdResetQueryPool) X(CmdWriteTimestamp)     \
     X(CmdBindPipeline) X(CmdBindDescriptorSets) X(CmdDispatch)
 #define HBIL_VK__OPTIONAL_FUNCTIONS(X) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)
 #define HBIL_VK__MEMBER(name) PFN_vk##name name;
@@ -166,7 +168,8 @@ typedef struct hbil_vk {
     uint64_t                     tick_mask;
     int                          ticked;         /* a recording wrote timestamps */
 
-    uint32_t                     phases;         /* frame index mod phases picks the descriptor sets */
+    uint32_t                     frames;         /* recorded so far */
+    uint32_t                     phases;         /* frames mod phases picks the descriptor sets */
     VkDescriptorPool             pool;
     VkDescriptorSetLayout        set_layouts[HBIL_MAX_PASSES];
     VkPipelineLayout             layouts[HBIL_MAX_PASSES];
@@ -186,7 +189,7 @@ HBIL_VK_API VkFormat       hbil_vk_format(hbil_format format);
 
 /* Make everything that does not depend on the size. On failure nothing stays behind but ctx->message. */
 HBIL_VK_API hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx);
-/* Make our images for a render size; take your view of each INPUT and OUTPUT, indexed by plan texture (other entries are not
+/* Make our images for the largest render size; take your view of each INPUT and OUTPUT, indexed by plan texture (other entries are not
  * read). The same size again only takes the views and keeps history. Device idle, see CONTRACT. */
 HBIL_VK_API hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height,
                                           const VkImageView views[HBIL_MAX_TEXTURES]);
@@ -520,7 +523,6 @@ static hbil_vk_result hbil_vk__make_image(hbil_vk *ctx, uint32_t t, uint32_t wid
     image.arrayLayers = tex->layers;
     image.samples = VK_SAMPLE_COUNT_1_BIT;
     image.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
-    if (tex->life == HBIL_LIFE_HISTORY) image.usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT; /* cleared once */
     HBIL_VK__TRY(ctx, CreateImage, (ctx->device, &image, ctx->allocator, out));
     return HBIL_VK_OK;
 }
@@ -660,12 +662,14 @@ static hbil_vk_result hbil_vk__prepare(hbil_vk *ctx, const hbil_frame *frame, hb
     hbil_diags diags = { &diag, 1, 0 };
     const uint32_t width = frame->width != 0 ? frame->width : (uint32_t)ctx->plan.config.width;
     const uint32_t height = frame->height != 0 ? frame->height : (uint32_t)ctx->plan.config.height;
-    if (ctx->width == 0 || width != ctx->width || height != ctx->height)
+    if (ctx->width == 0 || width > ctx->width || height > ctx->height)
         return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "frame is %ux%u, the images are %ux%u: call hbil_vk_resize", width, height,
                              ctx->width, ctx->height);
     if (ctx->hook_layout != VK_NULL_HANDLE && ctx->hook_set == VK_NULL_HANDLE)
         return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "hook_layout was given, but hbil_vk.hook_set is null: set it before you record");
-    hbil_result result = hbil_pack_constants(&ctx->plan, frame, out->constants, sizeof out->constants, NULL, &diags);
+    hbil_frame now = *frame;
+    if (ctx->fresh) now.reset = 1; /* our images hold garbage */
+    hbil_result result = hbil_pack_constants(&ctx->plan, &now, out->constants, sizeof out->constants, NULL, &diags);
     if (result == HBIL_OK) result = hbil_plan_frame(&ctx->plan, frame, out->grid);
     if (result == HBIL_OK) return HBIL_VK_OK;
     return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "%s", diags.count > 0 ? diag.text : hbil_result_name(result));
@@ -680,36 +684,24 @@ static void hbil_vk__memory_barrier(hbil_vk *ctx, VkCommandBuffer cmd, VkPipelin
     ctx->fn.CmdPipelineBarrier(cmd, from, to, 0, 1, &barrier, 0, NULL, 0, NULL);
 }
 
-static void hbil_vk__transition(hbil_vk *ctx, VkCommandBuffer cmd, VkImage image, VkImageLayout before, VkImageLayout after)
+static void hbil_vk__set_up_image(hbil_vk *ctx, VkCommandBuffer cmd, VkImage image)
 {
     HBIL_VK__STRUCT(VkImageMemoryBarrier, barrier, IMAGE_MEMORY_BARRIER);
-    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-    barrier.oldLayout = before;
-    barrier.newLayout = after;
+    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+    barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = image;
     barrier.subresourceRange = hbil_vk__whole();
-    ctx->fn.CmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                               VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, NULL, 0, NULL, 1,
-                               &barrier);
+    ctx->fn.CmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, NULL, 0, NULL,
+                               1, &barrier);
 }
 
-/* New images to GENERAL, histories to zero. */
+/* New images to GENERAL. */
 static void hbil_vk__set_up_images(hbil_vk *ctx, VkCommandBuffer cmd)
 {
-    HBIL_VK__ZEROED(VkClearColorValue, zero);
-    const VkImageSubresourceRange whole = hbil_vk__whole();
     for (uint32_t t = 0; t < ctx->plan.texture_count; ++t)
-        for (uint32_t k = 0; k < hbil_vk__copies(ctx, t); ++k) {
-            VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
-            if (ctx->plan.textures[t].life == HBIL_LIFE_HISTORY) {
-                hbil_vk__transition(ctx, cmd, ctx->images[t][k], layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-                layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-                ctx->fn.CmdClearColorImage(cmd, ctx->images[t][k], layout, &zero, 1, &whole);
-            }
-            hbil_vk__transition(ctx, cmd, ctx->images[t][k], layout, VK_IMAGE_LAYOUT_GENERAL);
-        }
+        for (uint32_t k = 0; k < hbil_vk__copies(ctx, t); ++k) hbil_vk__set_up_image(ctx, cmd, ctx->images[t][k]);
     ctx->fresh = 0;
 }
 
@@ -738,6 +730,9 @@ static void hbil_vk__pass_barrier(hbil_vk *ctx, VkCommandBuffer cmd, const hbil_
     for (uint32_t i = 0; i < pass->barrier_count; ++i) {
         if (pass->barriers[i].before & HBIL_ACCESS_WRITE) written |= VK_ACCESS_SHADER_WRITE_BIT;
         if (pass->barriers[i].after & HBIL_ACCESS_WRITE) access |= VK_ACCESS_SHADER_WRITE_BIT;
+        for (uint32_t b = 0; b < pass->binding_count; ++b) /* it may read what others wrote */
+            if (pass->bindings[b].texture == pass->barriers[i].texture && pass->bindings[b].role == HBIL_ROLE_UPDATE)
+                access |= VK_ACCESS_SHADER_READ_BIT;
         if (pass->barriers[i].after & HBIL_ACCESS_SAMPLE) access |= VK_ACCESS_SHADER_READ_BIT;
     }
     if (pass->barrier_count > 0)
@@ -780,6 +775,7 @@ VkFormat hbil_vk_format(hbil_format format)
     case HBIL_FORMAT_R32F:    return VK_FORMAT_R32_SFLOAT;
     case HBIL_FORMAT_R32UI:   return VK_FORMAT_R32_UINT;
     case HBIL_FORMAT_RGBA32F: return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case HBIL_FORMAT_RGBA16F: return VK_FORMAT_R16G16B16A16_SFLOAT;
     case HBIL_FORMAT_ANY:
     case HBIL_FORMAT_COUNT:   break;
     }
@@ -843,7 +839,8 @@ hbil_vk_result hbil_vk_record(hbil_vk *ctx, VkCommandBuffer cmd, const hbil_fram
     if (ctx->constants != VK_NULL_HANDLE) hbil_vk__write_constants(ctx, cmd, &prepared);
     if (ctx->queries != VK_NULL_HANDLE) hbil_vk__start_clock(ctx, cmd);
     for (uint32_t p = 0; p < ctx->plan.pass_count; ++p)
-        hbil_vk__pass(ctx, cmd, p, frame->index % ctx->phases, prepared.grid[p].groups);
+        hbil_vk__pass(ctx, cmd, p, ctx->frames % ctx->phases, prepared.grid[p].groups);
+    ++ctx->frames;
     return HBIL_VK_OK;
 }
 

@@ -44,21 +44,21 @@ static row options[64] = {
 #undef VALUE
 
 /* Rows of the other kinds of both files, in order. */
-typedef struct fact { const char *kind, *a, *b, *c, *d, *e, *f, *g; } fact;
+typedef struct fact { const char *kind, *a, *b, *c, *d, *e, *f, *g, *h; } fact;
 #define CHOICE(n, d, c, a, m, s)
 #define SET(n, d, c, a, m, s)
 #define INT(n, d, lo, hi, u, st, a, m, s)
 #define FLOAT(n, d, lo, hi, u, st, a, m, s)
-#define SYMBOL(n, e, m)           { "SYMBOL", #n, e, m, "", "", "", "" },
-#define REFUSE(e, w, f)           { "REFUSE", e, w, f, "", "", "", "" },
-#define MEMBER(o, m, a)           { "MEMBER", #o, #m, a, "", "", "", "" },
-#define PRESET(n, m)              { "PRESET", #n, m, "", "", "", "", "" },
-#define VALUE(p, v, s)            { "VALUE", #p, v, s, "", "", "", "" },
-#define FORMAT(n, q, b)           { "FORMAT", #n, q, #b, "", "", "", "" },
-#define TEXTURE(n, l, f, d, k, w, m) { "TEXTURE", #n, #l, #f, #d, w, m, #k },
-#define PASS(n, x, g, d, gx, gy, m) { "PASS", #n, x, #d, #gx, #gy, m, #g },
-#define BIND(p, t, a, w)          { "BIND", #p, #t, #a, w, "", "", "" },
-#define UNIFORM(t, n, m)          { "UNIFORM", #t, #n, m, "", "", "", "" },
+#define SYMBOL(n, e, m)           { "SYMBOL", #n, e, m, "", "", "", "", "" },
+#define REFUSE(e, w, f)           { "REFUSE", e, w, f, "", "", "", "", "" },
+#define MEMBER(o, m, a)           { "MEMBER", #o, #m, a, "", "", "", "", "" },
+#define PRESET(n, m)              { "PRESET", #n, m, "", "", "", "", "", "" },
+#define VALUE(p, v, s)            { "VALUE", #p, v, s, "", "", "", "", "" },
+#define FORMAT(n, q, b)           { "FORMAT", #n, q, #b, "", "", "", "", "" },
+#define TEXTURE(n, l, f, d, k, g, w, m) { "TEXTURE", #n, #l, #f, #d, w, m, #k, #g },
+#define PASS(n, x, g, d, gx, gy, m) { "PASS", #n, x, #d, #gx, #gy, m, #g, "" },
+#define BIND(p, t, a, w)          { "BIND", #p, #t, #a, w, "", "", "", "" },
+#define UNIFORM(t, n, m)          { "UNIFORM", #t, #n, m, "", "", "", "", "" },
 static const fact facts[] = {
 #include "options.def"
 #include "passes.def"
@@ -374,13 +374,19 @@ static int fact_index(const char *kind, const char *name)
     return -1;
 }
 
+/* Layers by a rule of the core's. */
+static const char *layers_rule(const char *rule)
+{
+    return strcmp(rule, "SIDES") == 0 ? "HBIL__LAYERS_SIDES" : "HBIL__LAYERS_SIGNAL";
+}
+
 static void gen_passes(text *t)
 {
     static const struct { const char *kind, *head; } tables[] = {
         { "FORMAT", "static const struct { const char *layout; uint32_t bytes; } hbil__formats[]" },
-        { "TEXTURE", "static const struct { const char *name; uint16_t life, format, dim, layers; const char *wanted, *meaning; } hbil__textures[]" },
+        { "TEXTURE", "static const struct { const char *name; uint16_t life, format, dim, layers, grid; const char *wanted, *meaning; } hbil__textures[]" },
         { "PASS", "static const struct { const char *name, *exists; uint16_t grid, domain, group[2]; const char *meaning; } hbil__passes[]" },
-        { "BIND", "static const struct { uint16_t pass, texture, access, update; const char *when; } hbil__binds[]" },
+        { "BIND", "static const struct { uint16_t pass, texture, role; const char *when; } hbil__binds[]" },
         { "UNIFORM", "static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[]" } };
     size_t k, i;
     for (k = 0; k < COUNT(tables); ++k) {
@@ -389,12 +395,12 @@ static void gen_passes(text *t)
             const fact *f = &facts[i];
             if (strcmp(f->kind, tables[k].kind)) continue;
             if (k == 0) put(t, "    { \"%s\", %s },\n", f->b, f->c);
-            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, %s, \"%s\",\n      \"%s\" },\n", f->a, f->b,
-                            f->c, f->d, strcmp(f->g, "SIDES") ? f->g : "0", f->e, f->f);
+            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, %s, %d, \"%s\",\n      \"%s\" },\n", f->a, f->b,
+                            f->c, f->d, isdigit((unsigned char)*f->g) ? f->g : layers_rule(f->g), !strcmp(f->h, "GRID"), f->e, f->f);
             if (k == 2) put(t, "    { \"%s\", \"%s\", HBIL_GRID_%s, %d, { %s, %s },\n      \"%s\" },\n", f->a, f->b, f->g,
                             fact_index("TEXTURE", f->c), f->d, f->e, f->f);
-            if (k == 3) put(t, "    { %d, %d, HBIL_ACCESS_%s, %d, \"%s\" }, /* %s %s */\n", fact_index("PASS", f->a),
-                            fact_index("TEXTURE", f->b), strcmp(f->c, "UPDATE") ? f->c : "WRITE", !strcmp(f->c, "UPDATE"), f->d, f->a, f->b);
+            if (k == 3) put(t, "    { %d, %d, HBIL_ROLE_%s, \"%s\" }, /* %s %s */\n", fact_index("PASS", f->a),
+                            fact_index("TEXTURE", f->b), f->c, f->d, f->a, f->b);
             if (k == 4) put(t, "    { HBIL_TYPE_%s, \"%s\", \"%s\",\n      \"%s\" },\n", upper(f->a), f->a, f->b, f->c);
         }
         put(t, "};\n");
@@ -408,7 +414,7 @@ static chunk chunks[256];
 static int   chunk_count;
 
 /* Chunks that any pass may use; then one file per pass, in plan order. */
-static const char *const shared_files[] = { "common", "environment", "lines", "levels", "slice", "horizon", "bitmask", "hbao" };
+static const char *const shared_files[] = { "common", "environment", "lines", "levels", "slice", "horizon", "bitmask", "hbao", "grid", "signal", "last" };
 
 static int is_shared(const char *file)
 {
@@ -499,7 +505,7 @@ static void check_chunk(const chunk *c)
     if (depth) die(SOURCE, "%s.glsl: chunk %s: #if without #endif", c->file, c->name);
 }
 
-static char *glsl_files[16]; /* the chunks point into them */
+static char *glsl_files[32]; /* the chunks point into them */
 static int   glsl_file_count;
 
 static void load_glsl(const char *root, const char *file)

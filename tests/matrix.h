@@ -19,7 +19,7 @@ static const char *const matrix_contexts[] = { "", "reach=2", "depth=device", "p
     "outputs=cone", "outputs=ao+multi_bounce", "outputs=specular_occlusion", "outputs=specular_occlusion roughness=0.3",
     "outputs=ao estimator=hbao reach=2", "outputs=ao estimator=hbao_plus", "occluder=thick estimator=bitmask", "occluder=heuristic",
     "march=sweep slices=4", "march=sweep slices=4 facing=filter outputs=sh+near", "march=both estimator=bitmask reach=2",
-    "multisample=yes", "reach=2 firefly=5 outputs=near+specular_occlusion roughness=0.3" };
+    "multisample=yes", "filter=3x3", "temporal=yes", "bounces=recursive", "reach=2 firefly=5 outputs=near+specular_occlusion roughness=0.3" };
 
 /* Legal values of an option as text: choices; members, all, none; ends, default and whole numbers with text of their own. */
 static inline int matrix_values(int32_t option, matrix_text out[MATRIX_VALUES])

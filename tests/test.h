@@ -44,6 +44,8 @@ static inline hbil_frame test_frame(const hbil_config *c, uint32_t width, uint32
         f.projection[14] = (float)b;
         f.projection[11] = -1;
     }
+    memcpy(f.last_projection, f.projection, sizeof f.projection);
+    memcpy(f.last_view, f.view, sizeof f.view);
     return f;
 }
 

@@ -25,6 +25,7 @@ void capture_free(capture *cap)
     image_free(&cap->truth_bounce);
     image_free(&cap->f0);
     image_free(&cap->roughness);
+    image_free(&cap->motion);
     image_free(&cap->hf_valid);
     image_free(&cap->hf_ao);
     image_free(&cap->hf_near);
@@ -143,6 +144,7 @@ static int read_frame(capture *out, const char *path, char *error, size_t error_
         {"f0", "RGB", &out->f0, 0},               {"f0", "Y", &out->f0, 0},
         {"truth_ao", "Y", &out->truth_ao, 0},     {"truth_near", "RGB", &out->truth_near, 0},
         {"truth_far", "RGB", &out->truth_far, 0}, {"truth_bounce", "RGB", &out->truth_bounce, 0},
+        {"motion", "XY", &out->motion, 0},
     };
     enum { ROWS = sizeof rows / sizeof *rows };
     image_layer layers[ROWS];

@@ -22,6 +22,7 @@ typedef struct capture {
     image hf_valid, hf_ao, hf_near; /* 1, 1, 3: truth of the depth buffer as a solid height field, where hf_valid is 1 */
     image f0;               /* 1 or 3: specular reflectance. It and roughness may be absent */
     image roughness;        /* 1: perceptual */
+    image motion;           /* 2: pixel of the surface point in the last frame minus here, +y down. May be absent, see capture_motion */
     int   emissive;         /* for capture_encode: 1: emission is added to the input radiance */
     int   misfit;           /* after a capture_load that failed: 1 if each file is sound but camera and frame do not fit */
 } capture;
@@ -34,6 +35,11 @@ int  capture_load(capture *out, const char *exr, const char *camera_json, char *
  * (0: no truth). Same arguments, same bytes. progress may be NULL; called with [0, 1]. */
 int  capture_scene(capture *out, const char *name, int width, int height, int rays, void (*progress)(double),
                    char *error, size_t error_size);
+/* The same from another place: move, m along the camera's right, up and forward axis; turn, degrees to the left about its up axis. */
+int  capture_scene_from(capture *out, const char *name, const float move[3], float turn, int width, int height, int rays,
+                        void (*progress)(double), char *error, size_t error_size);
+/* Motion of a frame that has none, from both cameras and its depth, as if nothing moved but the camera. 1, or 0: out of memory. */
+int  capture_motion(capture *cap, const capture *last);
 /* Names of the built-in scenes by index, NULL outside. */
 const char *capture_scene_name(int index);
 void capture_free(capture *cap);
@@ -41,8 +47,10 @@ void capture_free(capture *cap);
 /* The capture in the conventions that a resolved config asks for: depth linear or device, forward or reversed, finite or infinite far,
  * GL or Vulkan clip; normals in view or world space, in any encoding. Fills frame (size, projection, view) and one image per
  * INPUT texture of the plan, indexed by plan texture; sky and probes are left to environment_encode, other entries stay absent.
- * Free each with image_free. */
+ * Free each with image_free. The frame is one without a last one (reset), and motion 0 where it is absent: see capture_follow. */
 int  capture_encode(const capture *cap, const hbil_plan *plan, hbil_frame *frame, image inputs[HBIL_MAX_TEXTURES],
                     char *error, size_t error_size);
+/* Make an encoded frame the one after `last`. */
+void capture_follow(hbil_frame *frame, const capture *last);
 
 #endif

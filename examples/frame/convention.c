@@ -155,6 +155,7 @@ static const image *source_of(const capture *cap, const char *name)
     if (strcmp(name, "radiance") == 0 || strcmp(name, "direct") == 0) return &cap->direct;
     if (strcmp(name, "f0") == 0) return &cap->f0;
     if (strcmp(name, "roughness") == 0) return &cap->roughness;
+    if (strcmp(name, "motion") == 0) return &cap->motion;
     return NULL;
 }
 
@@ -176,8 +177,8 @@ static int encode_input(const capture *cap, const hbil_config *config, depth_row
     const image *source = source_of(cap, name);
     int          channels;
 
-    if (!source || !source->data) return missing_input(cap, name, error, error_size);
-    channels = source == &cap->normal ? normal_channels(config->normal_encoding)
+    if (!source || (!source->data && source != &cap->motion)) return missing_input(cap, name, error, error_size);
+    channels = source == &cap->motion ? 2 : source == &cap->normal ? normal_channels(config->normal_encoding)
              : source == &cap->f0 ? (config->f0 == HBIL_F0_RGB ? 3 : 1) : source->channels;
     if (!image_make(out, cap->width, cap->height, channels))
         return frame_error(error, error_size, "out of memory for the input %s of %dx%d. Use a smaller frame", name, cap->width,
@@ -185,7 +186,7 @@ static int encode_input(const capture *cap, const hbil_config *config, depth_row
     if (source == &cap->normal) encode_normals(cap, config, out);
     else if (source == &cap->f0) encode_f0(source, out);
     else if (source == &cap->depth && config->depth == HBIL_DEPTH_DEVICE) encode_depth(cap, config, row, out);
-    else memcpy(out->data, source->data, (size_t)cap->width * (size_t)cap->height * (size_t)channels * sizeof(float));
+    else if (source->data) memcpy(out->data, source->data, (size_t)cap->width * (size_t)cap->height * (size_t)channels * sizeof(float));
     if (cap->emissive && strcmp(name, "radiance") == 0) {
         if (!cap->emission.data)
             return frame_error(error, error_size, "--emissive, but the frame has no emission.RGB. Write it, or leave --emissive "
@@ -238,7 +239,56 @@ int capture_encode(const capture *cap, const hbil_plan *plan, hbil_frame *frame,
     memcpy(frame->view, cap->view, sizeof frame->view);
     frame->projection[10] = row.a;
     frame->projection[14] = row.b;
+    frame->reset = 1;
     if (encode_inputs(cap, plan, row, inputs, error, error_size)) return 1;
     for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&inputs[i]);
     return 0;
+}
+
+void capture_follow(hbil_frame *frame, const capture *last)
+{
+    memcpy(frame->last_projection, last->projection, sizeof frame->last_projection);
+    memcpy(frame->last_view, last->view, sizeof frame->last_view);
+    frame->last_width = (uint32_t)last->width;
+    frame->last_height = (uint32_t)last->height;
+    frame->reset = 0;
+}
+
+/* Where last frame's camera saw a point of the world; pixels. */
+static void see(const capture *last, const double world[3], double pixel[2])
+{
+    const float *p = last->projection, *v = last->view;
+    double       at[3], w;
+    int          i;
+
+    for (i = 0; i < 3; i++)
+        at[i] = (double)v[i] * world[0] + (double)v[4 + i] * world[1] + (double)v[8 + i] * world[2] + (double)v[12 + i];
+    w = (double)p[11] * at[2] + (double)p[15];
+    pixel[0] = 0.5 * last->width * (((double)p[0] * at[0] + (double)p[8] * at[2] + (double)p[12]) / w + 1.0);
+    pixel[1] = 0.5 * last->height * (((double)p[5] * at[1] + (double)p[9] * at[2] + (double)p[13]) / w + 1.0);
+}
+
+int capture_motion(capture *cap, const capture *last)
+{
+    const float *p = cap->projection, *v = cap->view;
+    int          x, y, i;
+
+    if (!image_make(&cap->motion, cap->width, cap->height, 2)) return 0;
+    for (y = 0; y < cap->height; y++)
+        for (x = 0; x < cap->width; x++) {
+            const size_t k = (size_t)(y * cap->width + x);
+            const double z = -(double)cap->depth.data[k], w = (double)p[11] * z + (double)p[15];
+            const double ndc[2] = {2.0 * (x + 0.5) / cap->width - 1.0, 2.0 * (y + 0.5) / cap->height - 1.0};
+            const double at[3] = {(ndc[0] * w - (double)p[8] * z - (double)p[12]) / (double)p[0],
+                                  (ndc[1] * w - (double)p[9] * z - (double)p[13]) / (double)p[5], z};
+            double       world[3], pixel[2];
+
+            for (i = 0; i < 3; i++)
+                world[i] = (double)v[4 * i] * (at[0] - (double)v[12]) + (double)v[4 * i + 1] * (at[1] - (double)v[13])
+                         + (double)v[4 * i + 2] * (at[2] - (double)v[14]);
+            see(last, world, pixel);
+            cap->motion.data[2 * k] = (float)(pixel[0] - x - 0.5);
+            cap->motion.data[2 * k + 1] = (float)(pixel[1] - y - 0.5);
+        }
+    return 1;
 }

@@ -15,6 +15,7 @@
 #include "metric.h"
 #include "output.h"
 #include "runner.h"
+#include "sequence.h"
 
 enum { DONE = 0, REFUSED = 1, USAGE = 2, FILES = 3, MISFIT = 4, BACKEND = 5 };
 
@@ -26,7 +27,12 @@ typedef struct arguments {
     const char  *frame, *camera, *scene, *backend, *preset, *env, *hook, *out, *png, *report;
     const char **sets; /* texts of all --set, in order */
     int          set_count, width, height, rays, repeat, emissive, validate, quiet;
+    int          sequence, first, last, cut; /* --frames: 1, and its ends; cut: frame that begins anew, -1: none */
+    float        move[3], turn;              /* of the camera from frame to frame: m, degrees */
 } arguments;
+
+/* Files of one frame of a sequence, or of the only frame. */
+typedef struct files { char frame[PATH_BYTES], camera[PATH_BYTES], out[PATH_BYTES], png[PATH_BYTES]; } files;
 
 typedef struct timing { double min, median, max; } timing; /* ms */
 
@@ -36,7 +42,10 @@ typedef struct session {
     hbil_config config;
     int         set_environment, set_sh_order; /* 1: a --set says so */
     hbil_plan   plan;
+    files       files;
+    int         number;                 /* of the frame; 0 without --frames */
     capture     cap;
+    capture     last;                   /* camera and size of the frame before; width 0: there is none */
     environment env;                    /* absent: no --env */
     char       *hook;                   /* text of --hook, or NULL */
     hbil_frame  frame;
@@ -45,6 +54,7 @@ typedef struct session {
     image       outputs[OUTPUT_KINDS];  /* absent: not asked for */
     metric      metrics[OUTPUT_KINDS];
     timing      times[HBIL_MAX_PASSES + 1]; /* the last that is used: all passes together */
+    cJSON      *frames;                 /* of the report of a sequence */
     char        error[1024];
 } session;
 
@@ -129,11 +139,19 @@ static void print_help(void)
           "                    sh0.RGBA to sh3.RGBA far.RGB irradiance.RGB specular_occlusion.Y multi_bounce.RGB composite.RGB\n"
           "  --png DIR         write before.png, after.png and pictures of each output; DIR is made if need be\n"
           "  --report R.json   write times, errors and the config\n"
+          "  --frames A:B      a sequence: frames A to B with what each leaves to the next (temporal=yes, bounces=recursive).\n"
+          "                    --frame, --camera and --out then hold one %d or %03d for the number, --png gets a folder for each\n"
+          "                    frame. motion.XY in a frame: pixel of the surface in the frame before minus here, +y down;\n"
+          "                    without it nothing moves but the camera\n"
+          "  --move X,Y,Z      of a scene's camera from frame to frame: m to its right, up and forward\n"
+          "  --turn DEGREES    the same: to the left\n"
+          "  --cut N           frame N begins anew, as after a camera cut\n"
           "  --repeat N        N timed runs after one that is not timed; default: the first run is timed, compiling included\n"
           "  --validate        with the validation layer (Vulkan) or debug output (GL); a message is a failure\n"
           "  -q                print nothing but warnings and errors\n"
           "  --help, --version\n\n"
           "errors: ao, near and far (with --env sky) against truth_ao, truth_near and truth_far, irradiance against their sum,\n"
+          "        with bounces=recursive near against truth_bounce,\n"
           "        composite against direct + albedo * sum; hf: against the height-field truth. uniform_ao is held against\n"
           "        truth_ao for reference: that one is cosine-weighted\n"
           "exit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written, or is malformed;\n"
@@ -170,6 +188,19 @@ static int read_size(const char *text, int *width, int *height)
     return read_int(first, 1, 16384, width) && read_int(x + 1, 1, 16384, height);
 }
 
+/* So many finite numbers with commas between, and nothing behind them. */
+static int read_numbers(const char *text, int count, float *out)
+{
+    char *end;
+    int   i;
+
+    for (i = 0; i < count; i++, text = end + 1) {
+        out[i] = strtof(text, &end);
+        if (end == text || !(out[i] - out[i] == 0.0f) || *end != (i + 1 < count ? ',' : 0)) return 0;
+    }
+    return 1;
+}
+
 /* One option that takes a value. */
 static int read_argument(session *s, const char *name, const char *value)
 {
@@ -198,6 +229,19 @@ static int read_argument(session *s, const char *name, const char *value)
     if (strcmp(name, "--repeat") == 0)
         return read_int(value, 1, 100000, &a->repeat)
             || frame_error(s->error, sizeof s->error, "--repeat %s: must be a whole number in [1, 100000]", value);
+    if (strcmp(name, "--frames") == 0)
+        return (a->sequence = sequence_range(value, &a->first, &a->last))
+            || frame_error(s->error, sizeof s->error, "--frames %s: must be A:B with whole numbers 0 <= A <= B <= 99999, as in 0:11",
+                           value);
+    if (strcmp(name, "--cut") == 0)
+        return read_int(value, 0, 99999, &a->cut)
+            || frame_error(s->error, sizeof s->error, "--cut %s: must be a whole number in [0, 99999]", value);
+    if (strcmp(name, "--move") == 0)
+        return read_numbers(value, 3, a->move)
+            || frame_error(s->error, sizeof s->error, "--move %s: must be X,Y,Z in metres, as in 0.1,0,0", value);
+    if (strcmp(name, "--turn") == 0)
+        return read_numbers(value, 1, &a->turn)
+            || frame_error(s->error, sizeof s->error, "--turn %s: must be a number of degrees", value);
     return frame_error(s->error, sizeof s->error, "%s: unknown; hbil-frame --help lists all", name);
 }
 
@@ -217,6 +261,55 @@ static int check_scene(session *s)
     return 0;
 }
 
+/* Does what a sequence needs fit? Each of its files has a number. */
+static int check_sequence(session *s)
+{
+    const arguments *a = &s->args;
+    const struct { const char *name, *pattern; } patterns[] = {{"--frame", a->frame}, {"--camera", a->camera}, {"--out", a->out}};
+    size_t i;
+
+    if (!a->sequence) {
+        if (a->cut >= 0 || a->turn != 0.0f || a->move[0] != 0.0f || a->move[1] != 0.0f || a->move[2] != 0.0f)
+            return frame_error(s->error, sizeof s->error, "--cut, --move and --turn belong to a sequence: add --frames A:B");
+        return 1;
+    }
+    for (i = 0; i < sizeof patterns / sizeof *patterns; i++)
+        if (patterns[i].pattern && sequence_conversions(patterns[i].pattern) != 1)
+            return frame_error(s->error, sizeof s->error, "%s %s: with --frames it must hold the number of the frame once, as in "
+                               "dir/frame-%%03d.exr. A percent sign is %%%%", patterns[i].name, patterns[i].pattern);
+    if (a->repeat > 1)
+        return frame_error(s->error, sizeof s->error, "--repeat %d: a sequence runs each frame once. Leave it out", a->repeat);
+    if (a->frame && (a->turn != 0.0f || a->move[0] != 0.0f || a->move[1] != 0.0f || a->move[2] != 0.0f))
+        return frame_error(s->error, sizeof s->error, "--move and --turn belong to --scene; frames have their own cameras. Leave "
+                           "them out");
+    if (a->cut >= 0 && (a->cut < a->first || a->cut > a->last))
+        return frame_error(s->error, sizeof s->error, "--cut %d: is not one of the frames %d to %d", a->cut, a->first, a->last);
+    return 1;
+}
+
+/* Paths of frame `number`. */
+static int name_files(session *s, int number)
+{
+    const arguments *a = &s->args;
+    const struct { const char *pattern; char *out; } paths[] = {{a->frame, s->files.frame}, {a->camera, s->files.camera},
+                                                                {a->out, s->files.out}};
+    size_t i;
+
+    s->number = number;
+    for (i = 0; i < sizeof paths / sizeof *paths; i++) {
+        paths[i].out[0] = 0;
+        if (!paths[i].pattern) continue;
+        if (a->sequence ? !sequence_name(paths[i].out, PATH_BYTES, paths[i].pattern, number)
+                        : snprintf(paths[i].out, PATH_BYTES, "%s", paths[i].pattern) >= PATH_BYTES)
+            return frame_error(s->error, sizeof s->error, "%.40s...: path of more than %d bytes. Choose a shorter one",
+                               paths[i].pattern, PATH_BYTES);
+    }
+    if (a->png && snprintf(s->files.png, PATH_BYTES, a->sequence ? "%s/%03d" : "%s", a->png, number) >= PATH_BYTES)
+        return frame_error(s->error, sizeof s->error, "%.40s...: path of more than %d bytes. Choose a shorter one", a->png,
+                           PATH_BYTES);
+    return 1;
+}
+
 static int check_arguments(session *s)
 {
     arguments *a = &s->args;
@@ -230,6 +323,7 @@ static int check_arguments(session *s)
                                                   "--camera belongs to --frame; a scene has its own. Leave one out");
     if (a->frame && (a->width || a->rays >= 0))
         return frame_error(s->error, sizeof s->error, "--size and --rays belong to --scene; a frame has its own. Leave them out");
+    if (!check_sequence(s)) return 0;
     if (a->env && a->hook)
         return frame_error(s->error, sizeof s->error, "--env %s and --hook %s: there is one environment. Leave one out", a->env,
                            a->hook);
@@ -249,7 +343,7 @@ static int read_command_line(session *s, int argc, char **argv, int *code)
     int i;
 
     *code = USAGE;
-    s->args.rays = -1;
+    s->args.rays = s->args.cut = -1;
     s->args.repeat = 1;
     for (i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "--version") == 0) {
@@ -401,7 +495,7 @@ static int check_hook(session *s)
     return DONE;
 }
 
-/* The plan in the conventions of the frame, and the frame in those of the plan. */
+/* The plan, for the camera of the frame. */
 static int make_plan(session *s)
 {
     hbil_diag  items[DIAGS_MAX];
@@ -413,10 +507,24 @@ static int make_plan(session *s)
     ok = hbil_plan_build(&s->config, &s->plan, &diags) == HBIL_OK;
     print_diags(s, &diags);
     if (!ok) return REFUSED;
+    return check_hook(s);
+}
+
+/* The frame in the conventions of the plan, behind the one before. */
+static int encode(session *s)
+{
+    const int follows = s->last.width > 0 && s->number != s->args.cut;
+
     s->cap.emissive = s->args.emissive;
+    if (follows && !s->cap.motion.data && !capture_motion(&s->cap, &s->last)) {
+        frame_error(s->error, sizeof s->error, "out of memory for the motion of frame %d. Use smaller frames", s->number);
+        return fail(s, MISFIT);
+    }
     if (!capture_encode(&s->cap, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)
         || !environment_encode(&s->env, &s->plan, &s->frame, s->inputs, s->error, sizeof s->error)) return fail(s, MISFIT);
-    return check_hook(s);
+    if (follows) capture_follow(&s->frame, &s->last);
+    s->frame.index = (uint32_t)s->number;
+    return DONE;
 }
 
 /* ---- work -------------------------------------------------------------------------------------------------------- */
@@ -430,16 +538,20 @@ static int open_runner(session *s)
 static int make_capture(session *s)
 {
     const arguments *a = &s->args;
-    int code, ok;
+    const float n = (float)s->number, move[3] = {n * a->move[0], n * a->move[1], n * a->move[2]};
+    char what[64];
+    int  code, ok;
 
     if (a->frame) {
-        if (capture_load(&s->cap, a->frame, a->camera, s->error, sizeof s->error)) return DONE;
+        if (capture_load(&s->cap, s->files.frame, s->files.camera, s->error, sizeof s->error)) return DONE;
         return fail(s, s->cap.misfit ? MISFIT : FILES);
     }
-    code = open_runner(s); /* before the scene: a missing driver should not cost the time of tracing */
+    code = s->runner ? DONE : open_runner(s); /* before the scene: a missing driver should not cost the time of tracing */
     if (code != DONE) return code;
-    progress_begin("tracing the scene", a->quiet);
-    ok = capture_scene(&s->cap, a->scene, a->width, a->height, a->rays, progress_show, s->error, sizeof s->error);
+    snprintf(what, sizeof what, a->sequence ? "frame %d of %d to %d: tracing" : "tracing the scene", s->number, a->first, a->last);
+    progress_begin(what, a->quiet);
+    ok = capture_scene_from(&s->cap, a->scene, move, n * a->turn, a->width, a->height, a->rays, progress_show, s->error,
+                            sizeof s->error);
     progress_end();
     return ok ? DONE : fail(s, BACKEND); /* the arguments are checked: what failed is Embree or memory */
 }
@@ -498,7 +610,7 @@ static int run_plan(session *s)
     memset(textures, 0, sizeof textures);
     if (!ok) frame_error(s->error, sizeof s->error, "out of memory for %d times. Use a smaller --repeat", repeat);
     if (ok && !runner_hook(s->runner, s->hook)) ok = frame_error(s->error, sizeof s->error, "out of memory for the hook");
-    progress_begin("running", s->args.quiet);
+    progress_begin("running", s->args.quiet || s->args.sequence); /* a sequence prints its frames */
     for (i = -warm; ok && i < repeat; i++) {
         for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
         ok = runner_run(s->runner, &s->plan, &s->frame, s->inputs, textures, 1, row, s->error, sizeof s->error);
@@ -520,6 +632,12 @@ static int run_plan(session *s)
     return ok ? DONE : fail(s, BACKEND);
 }
 
+/* Truth of near light: of as many bounces as the config has. */
+static const image *truth_near(const session *s)
+{
+    return s->plan.config.bounces == HBIL_BOUNCES_RECURSIVE ? &s->cap.truth_bounce : &s->cap.truth_near;
+}
+
 /* Truth of near and far light together, as far as the plan adds them up; with `over`, direct + albedo * that. Absent: a part of
  * it is not known. */
 static void make_sum(const session *s, int over, image *out)
@@ -531,10 +649,10 @@ static void make_sum(const session *s, int over, image *out)
     size_t         i;
 
     memset(out, 0, sizeof *out);
-    if ((near_in && !cap->truth_near.data) || (far_in && (!cap->truth_far.data || !s->env.captures_sky))) return;
+    if ((near_in && !truth_near(s)->data) || (far_in && (!cap->truth_far.data || !s->env.captures_sky))) return;
     if (!image_make(out, cap->width, cap->height, 3)) return;
     for (i = 0; i < count; i++) {
-        const float sum = (near_in ? cap->truth_near.data[i] : 0.0f) + (far_in ? cap->truth_far.data[i] : 0.0f);
+        const float sum = (near_in ? truth_near(s)->data[i] : 0.0f) + (far_in ? cap->truth_far.data[i] : 0.0f);
         out->data[i] = over ? cap->direct.data[i] + cap->albedo.data[i] * sum : sum;
     }
 }
@@ -548,7 +666,7 @@ static void measure(session *s)
     make_sum(s, 0, &sum);
     make_sum(s, 1, &composite);
     truths[OUTPUT_AO] = truths[OUTPUT_UNIFORM_AO] = &s->cap.truth_ao;
-    truths[OUTPUT_NEAR] = &s->cap.truth_near;
+    truths[OUTPUT_NEAR] = truth_near(s);
     truths[OUTPUT_FAR] = s->env.captures_sky ? &s->cap.truth_far : NULL;
     truths[OUTPUT_IRRADIANCE] = &sum;
     truths[OUTPUT_COMPOSITE] = &composite;
@@ -627,12 +745,35 @@ static cJSON *output_object(const metric *m)
     return item;
 }
 
+/* Times and outputs of the frame into a JSON object. */
+static void add_results(const session *s, cJSON *object)
+{
+    cJSON *passes = cJSON_AddArrayToObject(object, "passes_ms"), *outputs = cJSON_AddObjectToObject(object, "outputs");
+    int    k;
+
+    for (k = 0; k < (int)s->plan.pass_count; k++) add_timing(passes, s->plan.passes[k].name, s->times[k]);
+    add_timing(passes, "total", s->times[k]);
+    for (k = 0; k < OUTPUT_KINDS; k++)
+        if (s->outputs[k].data) cJSON_AddItemToObject(outputs, output_kinds[k].name, output_object(&s->metrics[k]));
+}
+
+/* The frame into the report of a sequence. */
+static void note_frame(session *s)
+{
+    cJSON *item = cJSON_CreateObject();
+
+    if (!s->frames) s->frames = cJSON_CreateArray();
+    cJSON_AddNumberToObject(item, "frame", s->number);
+    add_results(s, item);
+    cJSON_AddItemToArray(s->frames, item);
+}
+
 static int write_report(session *s)
 {
     const runner_info *about = runner_about(s->runner);
-    cJSON *root = cJSON_CreateObject(), *passes, *outputs;
+    cJSON *root = cJSON_CreateObject();
     char  *all = config_text(&s->plan.config, 1), *text, hash[20];
-    int    k, ok;
+    int    ok;
 
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)s->plan.hash);
     cJSON_AddStringToObject(root, "backend", about->backend);
@@ -649,12 +790,8 @@ static int write_report(session *s)
     cJSON_AddStringToObject(root, "config_hash", hash);
     cJSON_AddNumberToObject(root, "texture_bytes", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height));
     cJSON_AddNumberToObject(root, "runs", s->args.repeat);
-    passes = cJSON_AddArrayToObject(root, "passes_ms");
-    for (k = 0; k < (int)s->plan.pass_count; k++) add_timing(passes, s->plan.passes[k].name, s->times[k]);
-    add_timing(passes, "total", s->times[k]);
-    outputs = cJSON_AddObjectToObject(root, "outputs");
-    for (k = 0; k < OUTPUT_KINDS; k++)
-        if (s->outputs[k].data) cJSON_AddItemToObject(outputs, output_kinds[k].name, output_object(&s->metrics[k]));
+    if (s->frames) cJSON_AddItemReferenceToObject(root, "frames", s->frames);
+    else add_results(s, root);
     text = cJSON_Print(root);
     ok = text && all ? text_write(s->args.report, text, s->error, sizeof s->error)
                      : frame_error(s->error, sizeof s->error, "%s: out of memory for the report", s->args.report);
@@ -695,9 +832,10 @@ static void print_summary(const session *s)
     char *text = config_text(&s->plan.config, 0);
     int   k;
 
+    if (s->args.sequence) printf("\nthe last of these frames:\n");
     printf("backend    %s: %s\n", about->backend, about->device);
     printf("driver     %s\n", about->driver);
-    printf("frame      %s, %dx%d\n", s->args.frame ? s->args.frame : s->args.scene, s->cap.width, s->cap.height);
+    printf("frame      %s, %dx%d\n", s->args.frame ? s->files.frame : s->args.scene, s->cap.width, s->cap.height);
     if (s->args.env || s->args.hook) printf("far light  %s\n", s->args.env ? s->args.env : s->args.hook);
     printf("config     %016llx %s\n", (unsigned long long)s->plan.hash, text && *text ? text : "defaults");
     printf("textures   %.1f MiB of its own\n", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height) / 1048576.0);
@@ -756,29 +894,52 @@ static int check_files(session *s)
 {
     const arguments *a = &s->args;
 
-    return check_writable(s, a->out, 0) && check_writable(s, a->report, 0) && check_writable(s, a->png, 1) ? DONE : fail(s, FILES);
+    return check_writable(s, a->out ? s->files.out : NULL, 0) && check_writable(s, a->report, 0) && check_writable(s, a->png, 1)
+        ? DONE : fail(s, FILES);
 }
 
+static int make_folder(session *s, const char *path)
+{
+    struct stat info;
+
+    return mkdir(path, 0777) == 0 || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        || frame_error(s->error, sizeof s->error, "%s: cannot be made. Choose another folder for --png", path);
+}
+
+/* Of one frame. */
 static int write_files(session *s)
 {
     image_layer layers[OUTPUT_LAYERS_MAX];
     int         ok = 1;
 
-    if (s->args.out) ok = exr_write(s->args.out, layers, output_layers(s->outputs, layers), s->error, sizeof s->error);
-    if (s->args.png) ok = ok && output_pictures(s->args.png, &s->cap, s->outputs, s->error, sizeof s->error);
-    if (s->args.report) ok = ok && write_report(s);
+    if (s->args.out) ok = exr_write(s->files.out, layers, output_layers(s->outputs, layers), s->error, sizeof s->error);
+    if (s->args.png && s->args.sequence) ok = ok && make_folder(s, s->args.png);
+    if (s->args.png) ok = ok && output_pictures(s->files.png, &s->cap, s->outputs, s->error, sizeof s->error);
     return ok ? DONE : fail(s, FILES);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-static void session_close(session *s)
+/* What belongs to one frame; of its capture the camera is kept for the next. */
+static void end_frame(session *s)
 {
     int i;
 
     for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&s->inputs[i]);
     for (i = 0; i < OUTPUT_KINDS; i++) image_free(&s->outputs[i]);
+    memset(s->metrics, 0, sizeof s->metrics);
+    memset(&s->last, 0, sizeof s->last);
+    memcpy(s->last.projection, s->cap.projection, sizeof s->last.projection);
+    memcpy(s->last.view, s->cap.view, sizeof s->last.view);
+    s->last.width = s->cap.width;
+    s->last.height = s->cap.height;
     capture_free(&s->cap);
+}
+
+static void session_close(session *s)
+{
+    end_frame(s);
+    cJSON_Delete(s->frames);
     environment_free(&s->env);
     free(s->hook);
     if (s->runner) runner_close(s->runner);
@@ -786,23 +947,56 @@ static void session_close(session *s)
     free(s);
 }
 
-/* Cheap checks first, files last. */
-static int work(session *s)
+/* A line for a frame of a sequence: its time, and how far what has a truth is from it. A line of names before the first one. */
+static void print_frame(const session *s)
 {
-    static int (*const steps[])(session *) = {read_environment, make_config, check_files, make_capture, make_plan};
-    size_t i;
-    int    code = DONE;
+    int k;
 
-    for (i = 0; code == DONE && i < sizeof steps / sizeof *steps; i++) code = steps[i](s);
+    if (s->args.quiet) return;
+    if (s->number == s->args.first) puts("frame         ms   rmse against the truth, as far as a frame has one");
+    printf("%5d %10.3f", s->number, s->times[s->plan.pass_count].median);
+    for (k = 0; k < OUTPUT_KINDS; k++)
+        if (s->metrics[k].compared > 0) printf("   %s %.4f", output_kinds[k].name, s->metrics[k].rmse);
+    putchar('\n');
+    fflush(stdout);
+}
+
+/* One frame, from its files to its files. The plan is that of the first. */
+static int work_frame(session *s)
+{
+    int code = check_files(s);
+
+    if (code == DONE) code = make_capture(s);
+    if (code == DONE && s->plan.pass_count == 0) code = make_plan(s);
+    if (code == DONE) code = encode(s);
     if (code == DONE && !s->runner) code = open_runner(s);
     if (code == DONE) code = run_plan(s);
     if (code != DONE) return code;
     measure(s);
-    code = write_files(s);
-    if (code != DONE) return code;
-    if (!s->args.quiet) print_summary(s);
-    print_warnings(s);
-    return DONE;
+    return write_files(s);
+}
+
+/* Cheap checks first, files last. */
+static int work(session *s)
+{
+    const int first = s->args.first, last = s->args.last; /* 0 and 0 without --frames */
+    int       code = read_environment(s), n;
+
+    if (code == DONE) code = make_config(s);
+    for (n = first; code == DONE && n <= last; n++) {
+        if (n > first) end_frame(s);
+        if (!name_files(s, n)) return fail(s, FILES);
+        code = work_frame(s);
+        if (code != DONE) return code;
+        if (s->args.sequence) {
+            if (s->args.report) note_frame(s);
+            print_frame(s);
+        }
+        print_warnings(s);
+    }
+    if (code == DONE && s->args.report && !write_report(s)) code = fail(s, FILES);
+    if (code == DONE && !s->args.quiet) print_summary(s);
+    return code;
 }
 
 int main(int argc, char **argv)

@@ -126,16 +126,48 @@ static int check_inputs(const hbil_plan *plan, const hbil_frame *frame, const im
     return 1;
 }
 
+/* What all textures that lie on the screen have room for: more than the frame where the inputs do. */
+static void room_of(const hbil_plan *plan, const image *inputs, const uint32_t frame[2], uint32_t room[2])
+{
+    room[0] = room[1] = 16384;
+    for (uint32_t t = 0; t < plan->texture_count; ++t) {
+        const uint16_t dim = plan->textures[t].dim;
+        if (plan->textures[t].life != HBIL_LIFE_INPUT || dim == HBIL_DIM_CUBE || dim == HBIL_DIM_3D) continue;
+        if ((uint32_t)inputs[t].width < room[0]) room[0] = (uint32_t)inputs[t].width;
+        if ((uint32_t)inputs[t].height < room[1]) room[1] = (uint32_t)inputs[t].height;
+    }
+    if (plan->config.width != 0) memcpy(room, frame, 2 * sizeof *room);
+}
+
+/* Keep the first width x height pixels of every slice. In place: rows only move towards the start. */
+static void crop(image *img, uint32_t width, uint32_t height)
+{
+    const size_t row = (size_t)width * (size_t)img->channels, stride = (size_t)img->width * (size_t)img->channels;
+    if (img->data == NULL || ((uint32_t)img->width == width && (uint32_t)img->height == height)) return;
+    for (size_t s = 0; s < (size_t)image_slices(img); ++s)
+        for (size_t y = 0; y < height; ++y)
+            memmove(img->data + (s * height + y) * row, img->data + (s * (size_t)img->height + y) * stride, row * sizeof *img->data);
+    img->width = (int)width;
+    img->height = (int)height;
+}
+
 int runner_run(runner *r, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
+    uint32_t size[2], room[2];
     memset(outputs, 0, HBIL_MAX_TEXTURES * sizeof *outputs);
     if (repeat < 1) {
         snprintf(error, error_size, "repeat is %d: at least 1", repeat);
         return 0;
     }
     if (!check_inputs(plan, frame, inputs, error, error_size)) return 0;
-    if (r->ops->run(r->device, plan, frame, inputs, outputs, repeat, ms, error, error_size)) return 1;
+    size[0] = frame->width != 0 ? frame->width : (uint32_t)plan->config.width;
+    size[1] = frame->height != 0 ? frame->height : (uint32_t)plan->config.height;
+    room_of(plan, inputs, size, room);
+    if (r->ops->run(r->device, plan, frame, room, inputs, outputs, repeat, ms, error, error_size)) {
+        for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) crop(&outputs[t], size[0], size[1]);
+        return 1;
+    }
     for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) image_free(&outputs[t]);
     return 0;
 }

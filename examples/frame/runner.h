@@ -34,6 +34,8 @@ int                runner_text(runner *r, const char *pass, const char *text);
 
 /* Run the plan on one frame. inputs: indexed by plan texture, present for every INPUT. outputs: indexed by plan texture; made
  * here for every OUTPUT (channels as the format has: r32f 1, rgba32f 4; a is kept), freed by the caller.
+ * History stays from call to call while the plan and the size of the inputs do. Inputs larger than the frame: it is the corner of
+ * larger textures, and its size may change without a loss of history.
  * Shapes, see hbil_dim. Inputs: 2D of at least the frame's size; CUBE 6 square slices; 3D any size. 2D_MULTISAMPLE a plain
  * image, which becomes sample plan.config.sample of RUNNER_SAMPLES; the others are filled with 7e7, so that a shader which
  * reads a wrong one shows. Outputs: 2D_ARRAY has its layers as slices.

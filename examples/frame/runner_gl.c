@@ -515,12 +515,10 @@ static void gl_set_text(void *device, const char *pass, const char *text)
     if (make_current(d)) hbil_gl_shutdown(&d->backend);
 }
 
-static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
-                  image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
+static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
+                  const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
     gl_device *d = (gl_device *)device;
-    uint32_t width = frame->width ? frame->width : (uint32_t)plan->config.width;
-    uint32_t height = frame->height ? frame->height : (uint32_t)plan->config.height;
     GLenum code;
     int i;
     if (!make_current(d)) {
@@ -531,7 +529,7 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
         snprintf(error, error_size, "%s", d->backend.message);
         return 0;
     }
-    if (!set_images(d, plan, width, height, inputs, outputs, error, error_size)) return 0;
+    if (!set_images(d, plan, size[0], size[1], inputs, outputs, error, error_size)) return 0;
     for (i = 0; i < repeat; ++i) {
         if (hbil_gl_run(&d->backend, frame) != HBIL_GL_OK) {
             snprintf(error, error_size, "%s", d->backend.message);

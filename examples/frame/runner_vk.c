@@ -787,12 +787,10 @@ static void vk_set_text(void *device, const char *pass, const char *text)
     hbil_vk_shutdown(&d->backend);
 }
 
-static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
-                  image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
+static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
+                  const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
     vk_device *d = (vk_device *)device;
-    const uint32_t size[2] = { frame->width != 0 ? frame->width : (uint32_t)plan->config.width,
-                               frame->height != 0 ? frame->height : (uint32_t)plan->config.height };
     d->error = error;
     d->error_size = error_size;
     if (!set_plan(d, plan) || !set_images(d, plan, size, inputs, outputs) || !upload(d, plan, inputs)) return 0;

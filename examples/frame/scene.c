@@ -475,7 +475,7 @@ typedef struct world {
     const builtin *what;
     mesh           shapes;
     RTCScene       tree;
-    vec            right, forward, up;  /* of the camera */
+    vec            eye, right, forward, up;  /* of the camera */
     vec            sun, sun_u, sun_v;   /* unit, towards it and across */
 } world;
 
@@ -637,7 +637,7 @@ static void trace_pixel(const world *w, capture *cap, int x, int y, int rays)
     int          c;
 
     cap->depth.data[i] = SKY_DEPTH; /* every other image is 0 there */
-    if (!trace(w, w->what->eye, direction, &at)) return;
+    if (!trace(w, w->eye, direction, &at)) return;
     cap->depth.data[i] = at.t;
     cap->normal.data[3 * i + 0] = vec_dot(w->right, at.normal);
     cap->normal.data[3 * i + 1] = vec_dot(w->up, at.normal);
@@ -728,12 +728,23 @@ static int build_world(world *w, const builtin *what)
     w->forward = vec_unit(vec_madd(what->target, what->eye, -1.0f));
     w->right = vec_unit(vec_cross(w->forward, vec_make(0.0f, 0.0f, 1.0f)));
     w->up = vec_cross(w->right, w->forward);
+    w->eye = what->eye;
     if (what->sun.z > 0.0f) {
         w->sun = vec_unit(what->sun);
         find_basis(w->sun, &w->sun_u, &w->sun_v);
     }
     what->build(&w->shapes);
     return !w->shapes.failed;
+}
+
+/* move: m along right, up and forward. turn: radians to the left about up, after the move. */
+static void move_camera(world *w, const float move[3], float turn)
+{
+    const vec right = w->right, forward = w->forward;
+
+    w->eye = vec_madd(vec_madd(vec_madd(w->eye, right, move[0]), w->up, move[1]), forward, move[2]);
+    w->forward = vec_madd(vec_scale(forward, cosf(turn)), right, -sinf(turn));
+    w->right = vec_madd(vec_scale(right, cosf(turn)), forward, sinf(turn));
 }
 
 static void set_camera(const world *w, capture *cap)
@@ -754,7 +765,7 @@ static void set_camera(const world *w, capture *cap)
         v[r] = axes[r].x;
         v[4 + r] = axes[r].y;
         v[8 + r] = axes[r].z;
-        v[12 + r] = -vec_dot(axes[r], w->what->eye);
+        v[12 + r] = -vec_dot(axes[r], w->eye);
     }
     v[15] = 1.0f;
 }
@@ -794,6 +805,14 @@ static const builtin *find_builtin(const char *name, char *error, size_t error_s
 int capture_scene(capture *out, const char *name, int width, int height, int rays, void (*progress)(double),
                   char *error, size_t error_size)
 {
+    static const float still[3] = {0.0f, 0.0f, 0.0f};
+
+    return capture_scene_from(out, name, still, 0.0f, width, height, rays, progress, error, error_size);
+}
+
+int capture_scene_from(capture *out, const char *name, const float move[3], float turn, int width, int height, int rays,
+                       void (*progress)(double), char *error, size_t error_size)
+{
     const builtin *what = find_builtin(name, error, error_size);
     RTCDevice      device;
     world          w;
@@ -814,6 +833,7 @@ int capture_scene(capture *out, const char *name, int width, int height, int ray
     w.tree = device ? build_tree(device, &w.shapes) : NULL;
     ok = w.tree != NULL;
     if (ok) {
+        move_camera(&w, move, turn * PI / 180.0f);
         set_camera(&w, out);
         trace_all(&w, out, rays, progress);
         rtcReleaseScene(w.tree);

@@ -1,4 +1,5 @@
-// Chunks that several passes use. The space of all passes: x right, y up, z into the screen, metres, eye at the origin.
+// Chunks that several passes use. The space of all passes: x right, y up, z into the screen, metres, eye at the
+// origin.
 
 //@ chunk HBIL_SKY
 const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m
@@ -98,4 +99,9 @@ vec3 hbil_diffuse(ivec2 p) {
 #else
     return 1.0 - min(hbil_finite(texelFetch(u_f0, p, 0).rrr), 1.0);
 #endif
+}
+
+//@ chunk hbil_load_albedo
+vec3 hbil_load_albedo(ivec2 p) {
+    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));
 }

@@ -47,11 +47,6 @@ vec3 hbil_multi_bounce(float ao, vec3 albedo) {
 #endif
 }
 
-//@ chunk hbil_load_albedo
-vec3 hbil_load_albedo(ivec2 p) {
-    return min(hbil_finite(texelFetch(u_albedo, p, 0).rgb), vec3(1.0));
-}
-
 //@ chunk hbil_far_light
 #if HBIL_FAR_HERE
 // Far irradiance of a pixel.
@@ -64,6 +59,15 @@ vec3 hbil_far_light(ivec2 p, hbil_opening o) {
 }
 #endif
 
+//@ chunk hbil_store_bounce
+#if HBIL_BOUNCES_RECURSIVE
+// What the surface may reflect in the next frame, on the grid.
+void hbil_store_bounce(ivec2 p, vec3 irradiance) {
+    ivec2 q = p / HBIL_DOWNSCALE;
+    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(hbil_pack_radiance(hbil_finite(irradiance))));
+}
+#endif
+
 //@ chunk hbil_shade
 // Outputs of a pixel with a surface.
 void hbil_shade(ivec2 p, float z) {
@@ -71,8 +75,12 @@ void hbil_shade(ivec2 p, float z) {
     float ao = texelFetch(u_ao, p, 0).r;
 #endif
 #if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || (HBIL_FAR_HERE && !HBIL_ENVIRONMENT_CONSTANT)
-    vec3 v = hbil_view_vector(vec2(p) + 0.5);
+    vec3 v = hbil_view_vector(hbil_centre(p));
+#if HBIL_COARSE
+    vec3 n = hbil_turned(hbil_decode_normal(texelFetch(u_full_normal, p, 0).r), v);
+#else
     vec3 n = hbil_turned(hbil_load_normal(p), v);
+#endif
 #endif
 #if HBIL_OUTPUTS_CONE || HBIL_OUTPUTS_SPECULAR_OCCLUSION || HBIL_FAR_BENT
     vec3 bent = texelFetch(u_bent, p, 0).xyz * vec3(1.0, 1.0, HBIL_VIEW_Z);
@@ -103,22 +111,25 @@ void hbil_shade(ivec2 p, float z) {
     o.bent = length(bent);
 #endif
 #if HBIL_ENVIRONMENT_PROBES || HBIL_ENVIRONMENT_HOOK
-    o.position = hbil_world_position(hbil_position(vec2(p) + 0.5, z));
+    o.position = hbil_world_position(hbil_position(hbil_centre(p), z));
 #endif
     vec3 irradiance = hbil_far_light(p, o);
-#elif HBIL_FAR_BITS && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)
+#elif HBIL_FAR_BITS && HBIL_SUMMED
     vec3 irradiance = texelFetch(u_far, p, 0).rgb;
-#elif HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE
+#elif HBIL_SUMMED
     vec3 irradiance = vec3(0.0);
 #endif
 #if HBIL_OUTPUTS_FAR && !HBIL_FAR_BITS
     imageStore(u_far, p, vec4(irradiance, 1.0));
 #endif
-#if HBIL_NEAR_LIGHT && (HBIL_OUTPUTS_IRRADIANCE || HBIL_OUTPUTS_COMPOSITE)
+#if HBIL_NEAR_LIGHT && HBIL_SUMMED
     irradiance += texelFetch(u_near, p, 0).rgb;
 #endif
 #if HBIL_OUTPUTS_IRRADIANCE
     imageStore(u_irradiance, p, vec4(irradiance, 1.0));
+#endif
+#if HBIL_BOUNCES_RECURSIVE
+    hbil_store_bounce(p, irradiance);
 #endif
 #if HBIL_OUTPUTS_COMPOSITE
     vec3 direct = hbil_finite(texelFetch(u_direct, p, 0).rgb);
@@ -144,6 +155,9 @@ void hbil_shade_sky(ivec2 p) {
 #if HBIL_OUTPUTS_IRRADIANCE
     imageStore(u_irradiance, p, vec4(0.0, 0.0, 0.0, 1.0));
 #endif
+#if HBIL_BOUNCES_RECURSIVE
+    hbil_store_bounce(p, vec3(0.0));
+#endif
 #if HBIL_OUTPUTS_COMPOSITE
     imageStore(u_composite, p, vec4(hbil_finite(texelFetch(u_direct, p, 0).rgb), 1.0));
 #endif
@@ -152,8 +166,12 @@ void hbil_shade_sky(ivec2 p) {
 //@ chunk main
 void main() {
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
+    if (any(greaterThanEqual(p, hbil_frame_size()))) return;
+#if HBIL_COARSE
+    float z = texelFetch(u_full_depth, p, 0).r;
+#else
     float z = hbil_load_depth(p);
+#endif
     if (z < HBIL_SKY) hbil_shade(p, z);
     else hbil_shade_sky(p);
 }

@@ -103,8 +103,9 @@ hbil_sums hbil_march(ivec2 p, float z) {
     hbil_receiver r = hbil_receive(p, z);
     vec3 noise = hbil_noise(p);
 #if !HBIL_SEED_COMPAT_SCREEN_AZIMUTH
-    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre get the
-    // wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear in D.
+    // Slices are uniform in azimuth around V, not on the screen, or walls and floors away from the image centre
+    // get the wrong weight. e1, e2: any frame about V (v.z < 0); k1, k2: their directions on the screen, linear
+    // in D.
     float a = 1.0 / (1.0 - r.v.z);
     vec3 e1 = vec3(1.0 - r.v.x * r.v.x * a, -r.v.x * r.v.y * a, r.v.x);
     vec3 e2 = vec3(r.v.x * r.v.y * a, r.v.y * r.v.y * a - 1.0, -r.v.y);
@@ -146,62 +147,33 @@ float hbil_mean(hbil_sums sum) {
 #endif
 }
 
-//@ chunk hbil_store_ao
-#if HBIL_AO
-void hbil_store_ao(ivec2 p, float ao) {
-#if HBIL_FILTER
-    imageStore(u_raw_ao, p, vec4(ao));
-#else
-    imageStore(u_ao, p, vec4(ao));
-#endif
-}
-#endif
-
-//@ chunk hbil_store_near
-#if HBIL_NEAR_LIGHT
-void hbil_store_near(ivec2 p, vec3 near) {
-#if HBIL_FILTER
-    imageStore(u_raw_near, p, vec4(near, 1.0));
-#else
-    imageStore(u_near, p, vec4(near, 1.0));
-#endif
-}
-#endif
-
-//@ chunk hbil_store_bent
-#if HBIL_BENT
-void hbil_store_bent(ivec2 p, vec3 bent) {
-#if HBIL_FILTER
-    imageStore(u_raw_bent, p, vec4(bent, 1.0));
-#else
-    imageStore(u_bent, p, vec4(bent, 1.0));
-#endif
-}
-#endif
-
 //@ chunk hbil_store_sh
 #if HBIL_OUTPUTS_SH
 // Integrals of 1 and of the direction to coefficients. scale: of band 1; band 0 needs no ratio, each slice has its
 // whole solid angle. Near radiance and visibility together are those of the open hemisphere.
-void hbil_store_sh(ivec2 p, hbil_sums sum, float scale) {
+void hbil_store_sh(hbil_sums sum, float scale, inout vec4 s[HBIL_LAYERS]) {
     vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);
-    imageStore(u_sh, ivec3(p, 0), 0.282095 * hbil_mean(sum) * factor * sum.sh_0);
-    imageStore(u_sh, ivec3(p, 1), 0.488603 * scale * factor * sum.sh_y);
-    imageStore(u_sh, ivec3(p, 2), 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z);
-    imageStore(u_sh, ivec3(p, 3), 0.488603 * scale * factor * sum.sh_x);
+    s[HBIL_AT_SH] = 0.282095 * hbil_mean(sum) * factor * sum.sh_0;
+    s[HBIL_AT_SH + 1] = 0.488603 * scale * factor * sum.sh_y;
+    s[HBIL_AT_SH + 2] = 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z;
+    s[HBIL_AT_SH + 3] = 0.488603 * scale * factor * sum.sh_x;
 }
 #endif
 
 //@ chunk hbil_store
-// Sums to outputs.
-void hbil_store(ivec2 p, hbil_sums sum) {
-#if HBIL_RATIO
+// Sums to a signal.
+void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
+    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);
+#if HBIL_RATIO && !HBIL_DEFER
     // what few slices get wrong about an open sky cancels. max: rounding must not make light
     float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);
-#elif HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)
+#elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))
     float scale = hbil_mean(sum);
 #endif
-#if HBIL_VISIBILITY
+#if HBIL_DEFER
+    s[0].a = scale * sum.blocked;
+    s[HBIL_AT_BENT].a = scale * max(sum.full, sum.blocked);
+#elif HBIL_VISIBILITY
 #if !HBIL_COSINE
     float ao = 1.0 - sum.hidden * hbil_mean(sum);
 #elif HBIL_SEED_COMPAT_SLICE_MEAN
@@ -209,65 +181,23 @@ void hbil_store(ivec2 p, hbil_sums sum) {
 #else
     float ao = 1.0 - sum.blocked * scale;
 #endif
-    ao = clamp(ao, 0.0, 1.0);
-#if !HBIL_AO_EXPONENT_1
-    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));
-    ao *= lift;
+    s[0].a = clamp(ao, 0.0, 1.0);
 #endif
-#endif
-#if HBIL_AO
-    hbil_store_ao(p, ao);
+#if HBIL_NEAR_LIGHT
+    s[0].rgb = scale * HBIL_NEAR_INTENSITY * sum.near;
 #endif
 #if HBIL_BENT
     // no ratio: from two slices on the vectors of an open surface add up to 2/3 n by themselves
-    vec3 bent = sum.bent * hbil_mean(sum) * vec3(1.0, 1.0, HBIL_VIEW_Z);
-#if !HBIL_AO_EXPONENT_1
-    bent *= lift;
-#endif
-    hbil_store_bent(p, bent);
+    s[HBIL_AT_BENT].xyz = sum.bent * hbil_mean(sum) * vec3(1.0, 1.0, HBIL_VIEW_Z);
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO
-    imageStore(u_uniform_ao, p, vec4(sum.uniform_open * hbil_mean(sum)));
-#endif
-#if HBIL_NEAR_LIGHT
-    vec3 near = scale * HBIL_NEAR_INTENSITY * sum.near;
-#if !HBIL_F0_NONE
-    near *= hbil_diffuse(p);
-#endif
-    hbil_store_near(p, near);
-#endif
-#if HBIL_OUTPUTS_SH
-    hbil_store_sh(p, sum, scale);
+    s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);
 #endif
 #if HBIL_FAR_BITS
-    vec3 far = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);
-#if !HBIL_F0_NONE
-    far *= hbil_diffuse(p);
-#endif
-    imageStore(u_far, p, vec4(far, 1.0));
-#endif
-}
-
-//@ chunk hbil_store_sky
-// A pixel without a surface.
-void hbil_store_sky(ivec2 p) {
-#if HBIL_AO
-    hbil_store_ao(p, 1.0);
-#endif
-#if HBIL_BENT
-    hbil_store_bent(p, vec3(0.0));
-#endif
-#if HBIL_OUTPUTS_UNIFORM_AO
-    imageStore(u_uniform_ao, p, vec4(1.0));
-#endif
-#if HBIL_NEAR_LIGHT
-    hbil_store_near(p, vec3(0.0));
+    s[HBIL_AT_FAR].rgb = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);
 #endif
 #if HBIL_OUTPUTS_SH
-    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));
-#endif
-#if HBIL_FAR_BITS
-    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));
+    hbil_store_sh(sum, scale, s);
 #endif
 }
 
@@ -284,10 +214,21 @@ void main() {
 #endif
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     float z = hbil_load_depth(p);
-#if HBIL_SWEPT
-    if (z < HBIL_SKY) hbil_store(p, hbil_march_swept(p, z));
-#else
-    if (z < HBIL_SKY) hbil_store(p, hbil_march(p, z));
+    if (z >= HBIL_SKY) {
+#if !HBIL_STAGED
+        hbil_finish_sky(p);
 #endif
-    else hbil_store_sky(p);
+        return;
+    }
+    vec4 s[HBIL_LAYERS];
+#if HBIL_SWEPT
+    hbil_store(hbil_march_swept(p, z), s);
+#else
+    hbil_store(hbil_march(p, z), s);
+#endif
+#if HBIL_STAGED
+    hbil_pass_on(p, s);
+#else
+    hbil_finish(p, s);
+#endif
 }

@@ -85,7 +85,7 @@ vec3 hbil_load_raw_normal(ivec2 p) {
 //@ chunk hbil_neighbour
 // Nearness at a pixel; -1e30 outside the screen and on the sky.
 float hbil_neighbour(ivec2 p) {
-    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, HBIL_SIZE))) return -1e30;
+    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, hbil_frame_size()))) return -1e30;
     float z = hbil_view_depth(p);
     return z < HBIL_SKY ? hbil_nearness(z) : -1e30;
 }
@@ -104,14 +104,14 @@ vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {
     float side = lost_right || (!lost_left && bend_left < bend_right) ? -1.0 : 1.0;
     float there = side < 0.0 ? left : right;
     if (lost_left && lost_right) there = here;
-    vec2 q = vec2(p) + 0.5 + side * vec2(axis);
-    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(vec2(p) + 0.5, z));
+    vec2 q = hbil_centre(p + int(side) * axis);
+    return side * (hbil_position(q, hbil_depth_of(there)) - hbil_position(hbil_centre(p), z));
 }
 
 //@ chunk hbil_view_normal
 // Unit normal in view space, z into the screen. A normal that is zero, infinite or NaN is replaced by the view vector.
 vec3 hbil_view_normal(ivec2 p, float z) {
-    vec3 v = hbil_view_vector(vec2(p) + 0.5);
+    vec3 v = hbil_view_vector(hbil_centre(p));
 #if HBIL_NORMALS_DEPTH
     vec3 n = cross(hbil_tangent(p, ivec2(1, 0), z), hbil_tangent(p, ivec2(0, 1), z));
     n /= max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-30));
@@ -128,11 +128,20 @@ vec3 hbil_view_normal(ivec2 p, float z) {
 //@ chunk main
 void main() {
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
+    if (any(greaterThanEqual(p, hbil_frame_size()))) return;
     float z = hbil_view_depth(p);
+    uint normal = z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u;
+#if HBIL_COARSE
+    imageStore(u_full_depth, p, vec4(z));
+    imageStore(u_full_normal, p, uvec4(normal));
+#else
     imageStore(u_view_depth, p, vec4(z));
-#if HBIL_PACKED
+    imageStore(u_view_normal, p, uvec4(normal));
+#if HBIL_PACKED && !HBIL_BOUNCES_RECURSIVE
     imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_load_radiance(p))));
 #endif
-    imageStore(u_view_normal, p, uvec4(z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u));
+#if HBIL_REPROJECT_SCATTER
+    imageStore(u_landed, p, uvec4(HBIL_NOWHERE));
+#endif
+#endif
 }

@@ -48,7 +48,7 @@ vec3 hbil_noise(ivec2 p) {
 #if HBIL_INTERLEAVE_YES
     p &= 3;
 #endif
-    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX & 63u);
+    vec2 q = vec2(p) + 5.588238 * float(HBIL_FRAME_INDEX % 61u);
     return vec3(hbil_gradient(q), hbil_gradient(q.yx + vec2(47.0, 17.0)), hbil_gradient(q + vec2(31.0, 83.0)));
 #else
     return vec3(0.5);

@@ -177,6 +177,8 @@ say 'a config that is refused'
 {
     refused 1 'slices=99' $frame --set slices=99
     refused 1 'did you mean slices?' $frame --set slicse=4
+    refused 2 'frame-%03d.exr' $frame --frames 0:1
+    refused 2 '--frames 2:1' $frame --frames 2:1
     refused 1 'did you mean balanced?' $frame --preset balnced
     refused 1 'reach' $scene --set slices=0,reach=-1
     refused 1 'target' $frame --backend gl --set target=vulkan
@@ -358,6 +360,13 @@ specular_occlusion.png uniform_ao.png" --env sky --set roughness=0.4
     refused 5 'bad_hook.glsl' $frame --backend $backend --hook bad_hook.glsl
     check 'message has the line of the hook' grep -Eq ':4[:(]' ../err.txt
     check 'and what is wrong there' grep -q nonsense ../err.txt
+    say "$backend, a sequence"
+    expect 0 --scene cornell --size 32x18 --rays 4 --frames 3:5 --move 0.1,0,0.1 --turn 1 --cut 5 --backend $backend \
+        --set outputs=ao+near,temporal=yes,bounces=recursive,filter=3x3 --out 'seq-%02d.exr' --png seq --report seq.json
+    check 'a line for each frame' test "$(grep -c '^ *[345] .* ao 0' ../out.txt)" -eq 3
+    check 'and files' test -s seq-03.exr -a -s seq-04.exr -a -s seq-05.exr -a -s seq/003/ao.png -a -s seq/005/near.png
+    check 'the report has them' test "$(grep -c '"frame":[[:space:]]*[345]' seq.json)" -eq 3
+    rm -r seq seq.json seq-0[345].exr
     for preset in $("$bin" --help | sed -n '/^presets:/,/^$/ s/^  \([a-z_]*\) .*/\1/p'); do
         say "$backend, preset $preset"
         more=

@@ -12,6 +12,8 @@
 #include "../../examples/frame/capture.h"
 #include "../../examples/frame/environment.h"
 #include "../../examples/frame/metric.h"
+#include "../../examples/frame/sequence.h"
+#include "../captures.h"
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define W 21 /* of the test frame: odd, and not a multiple of any block */
@@ -603,9 +605,9 @@ static void a_plan_that_does_not_fit_the_capture_is_explained(void **state)
     assert_false(capture_encode(&cap, &plan, &frame, inputs, error, sizeof error));
     assert_error_has("options width, height: 64x64 baked, but the frame is 1x37");
     plan = make_plan("");
-    strcpy(plan.textures[hbil_plan_texture(&plan, "albedo")].name, "motion");
+    strcpy(plan.textures[hbil_plan_texture(&plan, "albedo")].name, "voxels");
     assert_false(capture_encode(&cap, &plan, &frame, inputs, error, sizeof error));
-    assert_error_has("the input motion");
+    assert_error_has("the input voxels");
     for (i = 0; i < HBIL_MAX_TEXTURES; i++) assert_null(inputs[i].data);
     capture_free(&cap);
 }
@@ -1175,6 +1177,124 @@ static void scene_has_the_same_bytes_every_time(void **state)
     }
     assert_int_equal(s, 2);
     assert_null(capture_scene_name(-1));
+}
+
+/* Depth and normal where the motion leads are those of the surface here, but for what was hidden. */
+static void motion_of_a_scene_leads_to_the_same_surface(void **state)
+{
+    static const float still[3] = {0.0f, 0.0f, 0.0f}, move[3] = {0.1f, 0.02f, 0.15f};
+    capture last, now;
+    int     x, y, same = 0, inside = 0;
+
+    (void)state;
+    assert_true(capture_scene_from(&last, "cornell", still, 0.0f, 160, 90, 0, NULL, error, sizeof error));
+    assert_true(capture_scene_from(&now, "cornell", move, 2.0f, 160, 90, 0, NULL, error, sizeof error));
+    assert_true(capture_motion(&now, &last));
+    for (y = 0; y < now.height; y++)
+        for (x = 0; x < now.width; x++) {
+            const float *m = now.motion.data + 2 * (y * now.width + x);
+            const int    u = (int)lround((double)x + (double)m[0]), v = (int)lround((double)y + (double)m[1]);
+            const float *a = now.albedo.data + 3 * (y * now.width + x), *b;
+
+            if (now.depth.data[y * now.width + x] > 1e8f || u < 0 || v < 0 || u >= last.width || v >= last.height) continue;
+            b = last.albedo.data + 3 * (v * last.width + u);
+            inside++;
+            same += fabsf(a[0] - b[0]) + fabsf(a[1] - b[1]) < 1e-3f
+                 && fabsf(last.depth.data[v * last.width + u] - now.depth.data[y * now.width + x] - move[2]) < 0.4f;
+        }
+    print_message("%d of %d pixels\n", same, inside);
+    assert_true(inside > 3000 && same > 0.95 * inside);
+    capture_free(&last);
+    capture_free(&now);
+}
+
+static void motion_of_captures_is_that_of_their_cameras(void **state)
+{
+    const capture_names list = captures_list();
+    int                 i, k, compared = 0;
+
+    (void)state;
+    for (i = 0; i < list.count; i++) {
+        capture last, now;
+        image   given;
+        double  worst = 0.0;
+
+        if (!captures_has(list.name[i], 1)) continue;
+        assert_true(captures_load(list.name[i], 0, &last, error, sizeof error));
+        assert_true(captures_load(list.name[i], 1, &now, error, sizeof error));
+        given = now.motion;
+        memset(&now.motion, 0, sizeof now.motion);
+        assert_true(given.data && capture_motion(&now, &last));
+        for (k = 0; k < now.width * now.height; k++) {
+            if (now.depth.data[k] > 1e8f) continue;
+            worst = fmax(worst, fabs((double)given.data[2 * k] - (double)now.motion.data[2 * k]));
+            worst = fmax(worst, fabs((double)given.data[2 * k + 1] - (double)now.motion.data[2 * k + 1]));
+        }
+        print_message("%s: at most %.4f pixels apart\n", list.name[i], worst);
+        assert_true(worst < 0.02);
+        image_free(&given);
+        capture_free(&last);
+        capture_free(&now);
+        compared++;
+    }
+    if (!compared) {
+        print_message("HBIL_CAPTURES is not set, or holds no moving camera: skipped\n");
+        skip();
+    }
+}
+
+static void frames_follow_each_other(void **state)
+{
+    static const float move[3] = {0.1f, 0.0f, 0.0f};
+    hbil_config c = {0};
+    hbil_plan   plan;
+    hbil_frame  frame;
+    image       inputs[HBIL_MAX_TEXTURES];
+    capture     last, now;
+    int         i;
+
+    (void)state;
+    assert_int_equal(hbil_config_parse(&c, "temporal=yes reproject=gather", 29, NULL), HBIL_OK);
+    assert_int_equal(hbil_plan_build(&c, &plan, NULL), HBIL_OK);
+    assert_true(capture_scene(&last, "cornell", 32, 18, 0, NULL, error, sizeof error));
+    assert_true(capture_scene_from(&now, "cornell", move, 0.0f, 32, 18, 0, NULL, error, sizeof error));
+    assert_true(capture_encode(&last, &plan, &frame, inputs, error, sizeof error));
+    assert_int_equal(frame.reset, 1); /* and no motion */
+    assert_true(inputs[hbil_plan_texture(&plan, "motion")].data[0] == 0.0f);
+    for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&inputs[i]);
+    assert_true(capture_motion(&now, &last));
+    assert_true(capture_encode(&now, &plan, &frame, inputs, error, sizeof error));
+    capture_follow(&frame, &last);
+    assert_int_equal(frame.reset, 0);
+    assert_int_equal(frame.last_width, 32);
+    assert_memory_equal(frame.last_view, last.view, sizeof frame.last_view);
+    assert_memory_equal(frame.last_projection, last.projection, sizeof frame.last_projection);
+    assert_memory_equal(inputs[hbil_plan_texture(&plan, "motion")].data, now.motion.data, 2 * 32 * 18 * sizeof(float));
+    for (i = 0; i < HBIL_MAX_TEXTURES; i++) image_free(&inputs[i]);
+    capture_free(&last);
+    capture_free(&now);
+}
+
+static void patterns_and_ranges_are_read(void **state)
+{
+    static const struct { const char *pattern; int conversions; const char *name; } patterns[] = {
+        {"a/frame-%03d.exr", 1, "a/frame-007.exr"}, {"%d", 1, "7"}, {"%2d", 1, " 7"}, {"50%%-%d", 1, "50%-7"}, {"plain", 0, "plain"},
+        {"%d%d", 2, "77"}, {"%s", -1, NULL}, {"%n", -1, NULL}, {"100%", -1, NULL}, {"%123d", -1, NULL}};
+    static const struct { const char *text; int good; } ranges[] = {{"0:11", 1}, {"3:3", 1}, {"4:3", 0}, {"-1:3", 0}, {"1", 0}, {"1:", 0},
+        {"1:2x", 0}, {"0:100000", 0}, {"a:b", 0}};
+    char   out[32];
+    size_t i;
+    int    first, last;
+
+    (void)state;
+    for (i = 0; i < COUNT(patterns); i++) {
+        assert_int_equal(sequence_conversions(patterns[i].pattern), patterns[i].conversions);
+        if (!patterns[i].name) continue;
+        assert_true(sequence_name(out, sizeof out, patterns[i].pattern, 7));
+        assert_string_equal(out, patterns[i].name);
+    }
+    assert_false(sequence_name(out, 8, "a/frame-%03d.exr", 7));
+    for (i = 0; i < COUNT(ranges); i++) assert_int_equal(sequence_range(ranges[i].text, &first, &last), ranges[i].good);
 }
 
 static void scenes_refuse_what_they_cannot_do(void **state)
@@ -1805,6 +1925,10 @@ int main(void)
         cmocka_unit_test(optional_layers_and_the_height_field_are_found),
         cmocka_unit_test(the_height_field_is_compared_where_it_is_valid),
         cmocka_unit_test(scene_has_the_same_bytes_every_time),
+        cmocka_unit_test(motion_of_a_scene_leads_to_the_same_surface),
+        cmocka_unit_test(motion_of_captures_is_that_of_their_cameras),
+        cmocka_unit_test(frames_follow_each_other),
+        cmocka_unit_test(patterns_and_ranges_are_read),
         cmocka_unit_test(scenes_refuse_what_they_cannot_do),
         cmocka_unit_test(every_scene_is_sound_and_the_fence_is_thin),
         cmocka_unit_test(far_light_of_open_pixels_is_the_irradiance_of_the_sky),

@@ -54,7 +54,7 @@ static size_t compile(const char *source, const hbil_plan *plan, uint32_t *out)
     size_t need = 0;
     hbil_glslang_result r = hbil_glslang_compile(source, (hbil_target)plan->config.target, out, WORDS, &need, log_text, sizeof log_text);
     if (r == HBIL_GLSLANG_OK) return need;
-    print_error("%s\n%s\n", source, log_text);
+    print_error("%s\n%s\n", log_text, source);
     return 0;
 }
 
@@ -65,7 +65,7 @@ static int is_valid(const hbil_plan *plan, size_t count)
     spv_context context = spvContextCreate(plan->config.target == HBIL_TARGET_GL ? SPV_ENV_OPENGL_4_5 : SPV_ENV_VULKAN_1_1);
     spv_diagnostic diagnostic = NULL;
     int valid = spvValidateBinary(context, words, count, &diagnostic) == SPV_SUCCESS;
-    if (!valid) print_error("%s\n%s\n", text, diagnostic ? diagnostic->error : "");
+    if (!valid) print_error("%s\n%s\n", diagnostic ? diagnostic->error : "", text);
     spvDiagnosticDestroy(diagnostic);
     spvContextDestroy(context);
     return valid;
@@ -137,7 +137,17 @@ static const spvc_reflected_resource *resources(spvc_resource_type type, size_t 
 static SpvImageFormat spirv_format(uint16_t format)
 {
     return format == HBIL_FORMAT_R32F ? SpvImageFormatR32f : format == HBIL_FORMAT_R32UI ? SpvImageFormatR32ui :
-           format == HBIL_FORMAT_RGBA32F ? SpvImageFormatRgba32f : SpvImageFormatUnknown;
+           format == HBIL_FORMAT_RGBA32F ? SpvImageFormatRgba32f :
+           format == HBIL_FORMAT_RGBA16F ? SpvImageFormatRgba16f : SpvImageFormatUnknown;
+}
+
+/* Does the text call a binding so? */
+static int is_called(const hbil_plan *plan, const hbil_binding *bind, const char *name)
+{
+    char own[64];
+    hbil__sink s = hbil__sink_open(own, sizeof own);
+    hbil__put_binding_name(&s, plan, bind);
+    return hbil__sink_close(&s, NULL) == HBIL_OK && strcmp(own, name) == 0;
 }
 
 /* Each resource of one kind is one binding of the plan, and their numbers are equal. */
@@ -151,7 +161,7 @@ static int bindings_fit(const hbil_plan *plan, const hbil_pass *pass, spvc_resou
     for (k = 0; k < count; ++k) {
         const hbil_texture *t = NULL;
         for (b = 0; b < pass->binding_count; ++b)
-            if (pass->bindings[b].access == access && strcmp(plan->textures[pass->bindings[b].texture].name, list[k].name + 2) == 0) break;
+            if (pass->bindings[b].access == access && is_called(plan, &pass->bindings[b], list[k].name)) break;
         FITS(b < pass->binding_count);
         t = &plan->textures[pass->bindings[b].texture];
         FITS(spvc_compiler_get_decoration(compiler, list[k].id, SpvDecorationBinding) == pass->bindings[b].slot);
@@ -263,7 +273,7 @@ static uint64_t hash_pass(const hbil_plan *plan, const hbil_pass *pass)
         h = hash(h, t->name, sizeof t->name);
         h = hash(h, &t->format, sizeof t->format);
         h = hash(h, &b->slot, sizeof b->slot);
-        h = hash(h, &b->access, sizeof b->access);
+        h = hash(h, &b->role, sizeof b->role);
     }
     if (!pass->constants) return h;
     h = hash(h, &plan->constants_slot, sizeof plan->constants_slot);
@@ -428,8 +438,26 @@ static const absence absences[] = {
     { "outputs=ao+near mips=mean", "outputs=ao mips=mean", "near radiance view_radiance radiance_mips", "", FETCHES },
     { "outputs=ao interleave=yes", "outputs=ao", "", "", INSTEAD }, /* another noise */
     { "outputs=near gather=packed", "outputs=near", "view_radiance", "", FETCHES },
-    { "outputs=ao filter=3x3", "outputs=ao", "raw_ao", "", FETCHES },
-    { "outputs=ao+near+bent filter=5x5", "outputs=ao+near+bent", "raw_ao raw_near raw_bent", "", FETCHES },
+    /* the frames before, the filters, the grid */
+    { "outputs=ao filter=3x3", "outputs=ao", "to from", "", FETCHES },
+    { "outputs=ao+near+bent filter=5x5", "outputs=ao+near+bent", "to from", "", FETCHES },
+    { "outputs=ao filter=3x3 filter_passes=3", "outputs=ao filter=3x3", "", "", FETCHES },
+    { "outputs=ao filter=3x3 slices=1", "outputs=ao slices=1", "to from", "", FETCHES },
+    { "outputs=ao temporal=yes", "outputs=ao", "to from last_signal last_seen seen",
+      "HBIL_LAST_FROM_VIEW HBIL_LAST_TO_RAY HBIL_LAST_SIZE HBIL_RESET", FETCHES },
+    { "outputs=ao temporal=yes", "outputs=ao temporal=yes rectify=none", "", "", FETCHES },
+    { "outputs=ao temporal=yes dynamic=history", "outputs=ao temporal=yes", "", "HBIL_HISTORY", ARITHMETIC },
+    { "outputs=ao temporal=yes reproject=gather", "outputs=ao temporal=yes", "motion", "", INSTEAD },
+    { "outputs=ao temporal=yes reproject=scatter", "outputs=ao temporal=yes", "landed claimed", "HBIL_VIEW_FROM_LAST", FETCHES },
+    { "outputs=near bounces=recursive", "outputs=near gather=packed", "albedo seen last_seen bounce last_bounce",
+      "HBIL_LAST_FROM_VIEW HBIL_LAST_TO_RAY HBIL_LAST_SIZE HBIL_RESET", FETCHES },
+    { "outputs=near bounces=recursive reproject=scatter", "outputs=near bounces=recursive", "landed claimed pushed",
+      "HBIL_VIEW_FROM_LAST", FETCHES },
+    { "outputs=near bounces=recursive temporal=yes", "outputs=near bounces=recursive", "to from last_signal", "", FETCHES },
+    { "outputs=ao downscale=2", "outputs=ao", "to from full_depth full_normal", "HBIL_FULL_SIZE", FETCHES },
+    { "outputs=near downscale=4", "outputs=near gather=packed", "to from full_depth full_normal", "HBIL_FULL_SIZE", FETCHES },
+    { "outputs=ao filter=3x3 storage=half", "outputs=ao filter=3x3", "", "", ARITHMETIC }, /* kept below the largest half */
+    { "outputs=ao filter=3x3 arithmetic=half", "outputs=ao filter=3x3", "", "", INSTEAD },
     /* inputs */
     { "outputs=ao depth=device", "outputs=ao", "", "HBIL_DEPTH_TO_VIEW", ARITHMETIC },
     { "outputs=ao dynamic=sky_depth", "outputs=ao", "", "HBIL_SKY_DEPTH", ARITHMETIC },

@@ -180,6 +180,63 @@ static void options_run_on_both_backends(void **state)
     print_message("%d configs on both\n", ran);
 }
 
+enum { MOVES = 4 };
+
+/* The last of a few frames under a moving camera. */
+static void run_moves(runner *r, const hbil_plan *plan, const capture *film, image outputs[HBIL_MAX_TEXTURES])
+{
+    image inputs[HBIL_MAX_TEXTURES];
+    int i, f;
+    for (f = 0; f < MOVES; ++f) {
+        hbil_frame frame;
+        for (i = 0; i < HBIL_MAX_TEXTURES && f > 0; ++i) image_free(&outputs[i]);
+        memset(inputs, 0, sizeof inputs);
+        if (!inputs_encode(&film[f], plan, &frame, inputs, error, sizeof error)) fail_msg("%s", error);
+        if (f > 0) capture_follow(&frame, &film[f - 1]);
+        frame.index = (uint32_t)f;
+        if (!runner_run(r, plan, &frame, inputs, outputs, 1, NULL, error, sizeof error)) fail_msg("%s", error);
+        for (i = 0; i < HBIL_MAX_TEXTURES; ++i) image_free(&inputs[i]);
+    }
+}
+
+/* Each lever of the frames, alone and together, with history to carry. */
+static void backends_agree_over_frames(void **state)
+{
+    static const char *const configs[] = { "filter=3x3", "filter=5x5 filter_passes=3", "temporal=yes", "temporal=yes rectify=range",
+        "temporal=yes rectify=none reproject=gather", "temporal=yes reproject=scatter", "bounces=recursive",
+        "bounces=recursive reproject=scatter", "downscale=2", "downscale=4 filter=3x3", "storage=half arithmetic=half filter=5x5",
+        "temporal=yes filter=5x5 filter_passes=2 bounces=recursive reproject=scatter downscale=2 storage=half",
+        "march=sweep temporal=yes bounces=recursive filter=3x3 downscale=2", "slices=1 temporal=yes filter=5x5" };
+    capture film[MOVES];
+    size_t i;
+    int f;
+    (void)state;
+    for (f = 0; f < MOVES; ++f) {
+        const float move[3] = { 0.08f * (float)f, 0.0f, 0.1f * (float)f };
+        if (!capture_scene_from(&film[f], "cornell", move, 1.5f * (float)f, 97, 61, 0, NULL, error, sizeof error)) fail_msg("%s", error);
+        if (f > 0) assert_true(capture_motion(&film[f], &film[f - 1]));
+    }
+    for (i = 0; i < sizeof configs / sizeof configs[0]; ++i) {
+        char config[256];
+        image ov[HBIL_MAX_TEXTURES], og[HBIL_MAX_TEXTURES];
+        hbil_plan pv, pg;
+        uint32_t t;
+        snprintf(config, sizeof config, ALL "%s", configs[i]);
+        pv = plan_of(config, "vulkan");
+        pg = plan_of(config, "gl");
+        memset(ov, 0, sizeof ov);
+        memset(og, 0, sizeof og);
+        run_moves(vulkan, &pv, film, ov);
+        run_moves(gl, &pg, film, og);
+        for (t = 0; t < pv.texture_count; ++t) {
+            if (pv.textures[t].life == HBIL_LIFE_OUTPUT) same_image(configs[i], pv.textures[t].name, &ov[t], &og[t]);
+            image_free(&ov[t]);
+            image_free(&og[t]);
+        }
+    }
+    for (f = 0; f < MOVES; ++f) capture_free(&film[f]);
+}
+
 static void no_validation_message(void **state)
 {
     (void)state;
@@ -215,6 +272,7 @@ int main(void)
         cmocka_unit_test(backends_agree_on_all_captures),
         cmocka_unit_test(backends_agree_on_all_presets),
         cmocka_unit_test(options_run_on_both_backends),
+        cmocka_unit_test(backends_agree_over_frames),
         cmocka_unit_test(no_validation_message),
     };
     return cmocka_run_group_tests_name("backends", tests, set_up, tear_down);

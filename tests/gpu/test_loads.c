@@ -190,6 +190,7 @@ static int count_prepare(const hbil_plan *plan)
 
 static void measure(const hbil_config *config, measured *m)
 {
+    const uint32_t size[2] = { (uint32_t)cap.width, (uint32_t)cap.height };
     hbil_frame frame;
     image in[HBIL_MAX_TEXTURES], out[HBIL_MAX_TEXTURES];
     int t;
@@ -201,7 +202,7 @@ static void measure(const hbil_config *config, measured *m)
     for (counted = 0; counted < KINDS; ++counted) {
         memset(out, 0, sizeof out);
         vk_set_hook(device, NULL); /* drops the pipelines: the next ones count something else */
-        if (!vk_run(device, &m->plan, &frame, in, out, 1, NULL, error, sizeof error)) fail_msg("%s", error);
+        if (!vk_run(device, &m->plan, &frame, size, in, out, 1, NULL, error, sizeof error)) fail_msg("%s", error);
         count_pass(&m->plan, "march", out, &m->march);
         count_pass(&m->plan, "light", out, &m->light);
         for (t = 0; t < HBIL_MAX_TEXTURES; ++t) image_free(&out[t]);

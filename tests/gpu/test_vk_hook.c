@@ -122,6 +122,7 @@ static void a_hook_reads_a_set_of_yours(void **state)
     static const char *const configs[] = { "outputs=ao+far normals=depth environment=hook",
         "outputs=ao+far normals=depth environment=hook estimator=bitmask far_visibility=free_bits" };
     static const float value[4] = { 0.5f, 2.0f, 3.0f, 0.0f };
+    static const uint32_t size[2] = { WIDTH, HEIGHT };
     mine m;
     int i, p;
     (void)state;
@@ -138,12 +139,12 @@ static void a_hook_reads_a_set_of_yours(void **state)
         assert_true(image_make(depth, WIDTH, HEIGHT, 1));
         for (p = 0; p < WIDTH * HEIGHT; ++p) depth->data[p] = 4.0f + 0.01f * (float)(p % WIDTH);
         init_backend(&plan, m.layout);
-        assert_false(vk_run(device, &plan, &frame, inputs, outputs, 1, NULL, error, sizeof error));
+        assert_false(vk_run(device, &plan, &frame, size, inputs, outputs, 1, NULL, error, sizeof error));
         assert_non_null(strstr(error, "hook_set is null"));
         assert_int_equal(vkEndCommandBuffer(device->cmd), VK_SUCCESS); /* the runner left it open */
         for (p = 0; p < HBIL_MAX_TEXTURES; ++p) image_free(&outputs[p]);
         device->backend.hook_set = m.set;
-        if (!vk_run(device, &plan, &frame, inputs, outputs, 2, NULL, error, sizeof error)) fail_msg("%s", error);
+        if (!vk_run(device, &plan, &frame, size, inputs, outputs, 2, NULL, error, sizeof error)) fail_msg("%s", error);
         check_far(&plan, outputs, value);
         for (p = 0; p < HBIL_MAX_TEXTURES; ++p) image_free(&outputs[p]);
         image_free(depth);

@@ -15,7 +15,7 @@
 
 #include "../../examples/frame/runner.h"
 
-static runner     *g_runner;
+static runner  *g_runners[2], *g_runner; /* the latter: one of them */
 static int32_t  g_target; /* hbil_target */
 
 double gpu_clock(void)
@@ -25,20 +25,35 @@ double gpu_clock(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-int gpu_open(void **state)
+/* 1, or 0: there is no such backend here. */
+static int open_view(int index)
 {
     const char *backend = getenv("HBIL_BACKEND");
     char        error[512] = "";
-    (void)state;
     if (!backend || !*backend) {
         backend = "vulkan";
     }
     g_target = strcmp(backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
-    g_runner = runner_open(backend, 0, error, sizeof error);
-    if (!g_runner) {
+    g_runners[index] = runner_open(backend, 0, error, sizeof error);
+    if (!g_runners[index]) {
         print_error("%s\n", error);
+    }
+    return g_runners[index] != NULL;
+}
+
+void gpu_view(int index)
+{
+    assert_true(g_runners[index] || open_view(index));
+    g_runner = g_runners[index];
+}
+
+int gpu_open(void **state)
+{
+    (void)state;
+    if (!open_view(0)) {
         return 1;
     }
+    g_runner = g_runners[0];
     print_message("%s: %s\n", runner_about(g_runner)->backend, runner_about(g_runner)->device);
     return 0;
 }
@@ -46,8 +61,10 @@ int gpu_open(void **state)
 int gpu_close(void **state)
 {
     (void)state;
-    runner_close(g_runner);
-    g_runner = NULL;
+    for (int i = 0; i < 2; ++i) {
+        runner_close(g_runners[i]);
+        g_runners[i] = NULL;
+    }
     return 0;
 }
 
@@ -102,7 +119,7 @@ void gpu_plan(const hbil_config *config, hbil_plan *plan)
 void gpu_run(const hbil_config *config, const gpu_input *in, gpu_output *out)
 {
     const struct { const char *name; const image *from; } sources[] = {
-        {"depth", &in->depth}, {"normal", &in->normal}, {"radiance", &in->radiance}};
+        {"depth", &in->depth}, {"normal", &in->normal}, {"radiance", &in->radiance}, {"albedo", &in->albedo}, {"motion", &in->motion}};
     struct { const char *name; image *to; } sinks[] = {{"ao", &out->ao}, {"near", &out->near}, {"bent", &out->bent}};
     hbil_plan  plan;
     hbil_frame frame = in->frame;
@@ -111,7 +128,7 @@ void gpu_run(const hbil_config *config, const gpu_input *in, gpu_output *out)
     memset(inputs, 0, sizeof inputs);
     memset(out, 0, sizeof *out);
     gpu_plan(config, &plan);
-    for (int i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < sizeof sources / sizeof *sources; ++i) {
         const int32_t texture = hbil_plan_texture(&plan, sources[i].name);
         if (texture >= 0) {
             inputs[texture] = *sources[i].from;
@@ -135,4 +152,9 @@ void gpu_free(gpu_output *out)
     image_free(&out->ao);
     image_free(&out->near);
     image_free(&out->bent);
+}
+
+void gpu_text(const char *pass, const char *text)
+{
+    assert_true(runner_text(g_runner, pass, text));
 }

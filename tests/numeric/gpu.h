@@ -10,6 +10,7 @@
 typedef struct gpu_input {
     hbil_frame frame;
     image      depth, normal, radiance;
+    image      albedo, motion; /* where the config asks for them */
 } gpu_input;
 
 /* Present where the config asks for the output. */
@@ -18,6 +19,8 @@ typedef struct gpu_output { image ao, near, bent; } gpu_output;
 /* Group setup and teardown of cmocka: the backend is HBIL_BACKEND, "vulkan" if that is not set. */
 int  gpu_open(void **state);
 int  gpu_close(void **state);
+/* Which of two runners the calls below use: two views, each with its own history. The first one after gpu_open. */
+void gpu_view(int index);
 /* Seconds since the start of the program. */
 double gpu_clock(void);
 
@@ -30,5 +33,7 @@ void gpu_plan(const hbil_config *config, hbil_plan *plan);
 /* Run. Dynamic options take the values that config has, so that configs which differ in them share one compiled variant. */
 void gpu_run(const hbil_config *config, const gpu_input *in, gpu_output *out);
 void gpu_free(gpu_output *out);
+/* GLSL text in the place of a pass's own, see runner_text; NULL: none. */
+void gpu_text(const char *pass, const char *text);
 
 #endif

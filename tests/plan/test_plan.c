@@ -103,7 +103,7 @@ static void null_backend_finds_each_fault(void **state)
     p.textures[0].copies = 0;
     finds(&p, "at least 1");
     p = good;
-    p.passes[march].bindings[0].update = 1;
+    p.passes[march].bindings[0].role = HBIL_ROLE_UPDATE;
     finds(&p, "update, but not written");
     p = full_plan(HBIL_TARGET_GL);
     p.passes[march].bindings[3].slot = 8;
@@ -211,13 +211,16 @@ static void null_backend_follows_history(void **state)
     p.passes[0].group[0] = p.passes[0].group[1] = 8;
     p.passes[0].binding_count = 2;
     p.passes[0].bindings[0].access = HBIL_ACCESS_SAMPLE;
+    p.passes[0].bindings[0].role = HBIL_ROLE_LAST;
     p.passes[0].bindings[0].age = 1;
     p.passes[0].bindings[1].access = HBIL_ACCESS_WRITE;
+    p.passes[0].bindings[1].role = HBIL_ROLE_WRITE;
     p.passes[0].barrier_count = 2;
     p.passes[0].barriers[0].before = p.passes[0].barriers[1].after = HBIL_ACCESS_WRITE;
     p.passes[0].barriers[0].after = p.passes[0].barriers[1].before = HBIL_ACCESS_SAMPLE;
     if (hbil_null_check(&p, 64, 64, &diags)) fail_msg("%s", item.text);
     p.passes[0].bindings[0].age = 0;
+    p.passes[0].bindings[0].role = HBIL_ROLE_SAMPLE;
     finds(&p, "read and written by one pass");
 }
 

@@ -1,0 +1,157 @@
+// last: where a pixel was in the last frame, and what was seen there.
+
+//@ chunk HBIL_NOWHERE
+const uint HBIL_NOWHERE = 0xffffffffu; // no surface of last frame falls here
+
+//@ chunk hbil_pack_seen
+// View depth and a number of frames in [0, 63]. Relative error of the depth below 1e-5.
+uint hbil_pack_seen(float z, float frames) {
+    return (floatBitsToUint(z) & ~63u) | uint(clamp(frames + 0.5, 0.0, 63.0));
+}
+
+//@ chunk hbil_seen_depth
+float hbil_seen_depth(uint code) {
+    return uintBitsToFloat(code & ~63u);
+}
+
+//@ chunk hbil_move
+// A point by the rows of a motion.
+vec3 hbil_move(vec4 rows[3], vec3 p) {
+    return vec3(dot(rows[0].xyz, p), dot(rows[1].xyz, p), dot(rows[2].xyz, p)) + vec3(rows[0].w, rows[1].w, rows[2].w);
+}
+
+//@ chunk hbil_last_position
+// Point that the last frame saw at a pixel position and view depth, in its own space. m
+vec3 hbil_last_position(vec2 pixel, float z) {
+    vec2 ray = pixel * HBIL_LAST_TO_RAY.xy + HBIL_LAST_TO_RAY.zw;
+#if HBIL_PROJECTION_PERSPECTIVE
+    return vec3(ray * z, z);
+#else
+    return vec3(ray, z);
+#endif
+}
+
+//@ chunk hbil_pixel_of
+// Pixel position at which a camera sees a point in front of it; far away where it does not.
+vec2 hbil_pixel_of(vec3 p, vec4 to_ray) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    if (p.z <= 0.0) return vec2(-1e9);
+    return (p.xy / p.z - to_ray.zw) / to_ray.xy;
+#else
+    return (p.xy - to_ray.zw) / to_ray.xy;
+#endif
+}
+
+//@ chunk hbil_landing
+// Where a surface of last frame falls in this one: xy pixel position, z view depth.
+vec3 hbil_landing(ivec2 q, float z) {
+    vec3 here = hbil_move(HBIL_VIEW_FROM_LAST, hbil_last_position(vec2(q) + 0.5, z));
+    return vec3(hbil_pixel_of(here, HBIL_PIXEL_TO_RAY), here.z);
+}
+
+//@ chunk hbil_depth_key
+// Order of view depths as whole numbers.
+uint hbil_depth_key(float z) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    return floatBitsToUint(z);
+#else
+    uint bits = floatBitsToUint(z);
+    return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
+#endif
+}
+
+//@ chunk hbil_claim
+#if HBIL_REPROJECT_SCATTER
+// The pixel of last frame that fell on p or, in the cracks of a surface that has come nearer, beside it.
+uint hbil_claim(ivec2 p) {
+    uint claim = texelFetch(u_claimed, p, 0).r;
+    for (int i = 0; i < 4 && claim == HBIL_NOWHERE; ++i) {
+        ivec2 q = p + ivec2(i == 0 ? -1 : i == 1 ? 1 : 0, i == 2 ? -1 : i == 3 ? 1 : 0);
+        if (all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, HBIL_SIZE))) claim = texelFetch(u_claimed, q, 0).r;
+    }
+    return claim;
+}
+#endif
+
+//@ chunk hbil_last_pixel
+// Where the surface at p, at `there` in last frame's space if it stands still, was on its grid. Far away: nobody
+// knows.
+vec2 hbil_last_pixel(ivec2 p, vec3 there) {
+#if HBIL_REPROJECT_GATHER
+    return vec2(p) + 0.5 + texelFetch(u_motion, hbil_middle(p), 0).rg / float(HBIL_DOWNSCALE);
+#elif HBIL_REPROJECT_CAMERA
+    return hbil_pixel_of(there, HBIL_LAST_TO_RAY);
+#else
+    uint claim = hbil_claim(p);
+    if (claim == HBIL_NOWHERE) return vec2(-1e9);
+    ivec2 q = ivec2(claim & 65535u, claim >> 16);
+    vec3 landing = hbil_landing(q, hbil_seen_depth(texelFetch(u_last_seen, q, 0).r));
+    return vec2(p) + vec2(q) + 1.0 - landing.xy;
+#endif
+}
+
+//@ chunk HBIL_LAST_PLANE
+const float HBIL_LAST_PLANE = 0.01; // of a depth: farther from the tangent plane is another surface
+
+//@ chunk hbil_taps
+// The four pixels of last frame around a place, and what each of them counts: 0 if it saw another surface.
+struct hbil_taps {
+    ivec2 first;
+    vec4 weights; // add up to `all`
+    float all;    // [0, 1]
+    float frames; // in the running mean there
+};
+
+//@ chunk hbil_find
+// Last frame's pixels of the surface with normal n at `position`, seen at pixel p.
+hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {
+    hbil_taps t;
+    t.first = p;
+    t.weights = vec4(0.0);
+    t.all = 0.0;
+    t.frames = 0.0;
+    if (HBIL_RESET != 0) return t;
+    vec3 there = hbil_move(HBIL_LAST_FROM_VIEW, position);
+    vec2 pixel = hbil_last_pixel(p, there);
+    // written so that NaN is off the screen, too
+    if (!(all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0)))) return t;
+#if HBIL_PROJECTION_PERSPECTIVE
+    if (there.z <= 0.0) return t;
+#endif
+    there = hbil_last_position(pixel, there.z); // moving things: at the depth of still ones
+    n = hbil_move(HBIL_LAST_FROM_VIEW, position + n) - hbil_move(HBIL_LAST_FROM_VIEW, position);
+    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z);
+    t.first = ivec2(floor(pixel - 0.5));
+    vec2 f = pixel - 0.5 - vec2(t.first);
+    vec4 w = vec4(1.0 - f.x, f.x, 1.0 - f.x, f.x) * vec4(vec2(1.0 - f.y), vec2(f.y));
+    for (int i = 0; i < 4; ++i) {
+        ivec2 q = t.first + ivec2(i & 1, i >> 1);
+        if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_LAST_SIZE))) continue;
+        uint code = texelFetch(u_last_seen, q, 0).r;
+        float z = hbil_seen_depth(code);
+        float off = abs(dot(n, hbil_last_position(vec2(q) + 0.5, z) - there));
+        if (!(z < 0.5 * HBIL_SKY && off < limit)) continue;
+        t.weights[i] = w[i];
+        t.all += w[i];
+        t.frames += w[i] * float(code & 63u);
+    }
+    return t;
+}
+
+//@ chunk hbil_pushed_at
+// Texel q of a level of u_pushed, 1 to 6: level 1 in its corner, the others beside it, one below the other.
+ivec2 hbil_pushed_at(ivec2 q, int level) {
+    if (level == 1) return q;
+    int y = 0;
+    for (int i = 2; i < level; ++i) y += (HBIL_SIZE.y + (1 << i) - 1) >> i;
+    return q + ivec2((HBIL_SIZE.x + 1) / 2, y);
+}
+
+//@ chunk HBIL_PUSHED
+const int HBIL_PUSHED = 6; // levels of u_pushed, of 2 to 64 pixels
+
+//@ chunk hbil_has_pushed
+// Is there room for them?
+bool hbil_has_pushed() {
+    return min(HBIL_SIZE.x, HBIL_SIZE.y) >= 16;
+}

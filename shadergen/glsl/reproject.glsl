@@ -1,0 +1,72 @@
+// reproject: the radiance that the march reads, with what each surface reflects of the light that it got last frame.
+// The albedo is this frame's, so that only smooth irradiance moves.
+
+//@ chunk HBIL_GAIN_MAX
+const float HBIL_GAIN_MAX = 0.95; // of a bounce: albedo * near_intensity. Below 1, so that light dies out
+
+//@ chunk hbil_pull
+#if HBIL_REPROJECT_SCATTER
+// Light for a hole: of the finest level that knows of a surface at about this depth.
+vec3 hbil_pull(ivec2 p, float z) {
+    for (int level = 1; level <= HBIL_PUSHED && hbil_has_pushed(); ++level) {
+        vec2 at = (vec2(p) + 0.5) / float(1 << level) - 0.5;
+        ivec2 first = ivec2(floor(at));
+        vec2 f = at - vec2(first);
+        ivec2 size = (HBIL_SIZE + (1 << level) - 1) >> level;
+        vec4 sum = vec4(0.0);
+        for (int i = 0; i < 4; ++i) {
+            ivec2 o = ivec2(i & 1, i >> 1);
+            vec4 t = texelFetch(u_pushed, hbil_pushed_at(clamp(first + o, ivec2(0), size - 1), level), 0);
+            if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;
+            vec2 w = mix(1.0 - f, f, vec2(o));
+            sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);
+        }
+        if (sum.a > 0.0) return sum.rgb / sum.a;
+    }
+    return vec3(0.0);
+}
+#endif
+
+//@ chunk hbil_last_light
+// Irradiance that the surface had in the last frame.
+vec3 hbil_last_light(ivec2 p, float z) {
+    hbil_taps t = hbil_find(p, hbil_position(vec2(p) + 0.5, z), hbil_load_normal(p));
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; ++i) {
+        if (t.weights[i] <= 0.0) continue;
+        sum += t.weights[i] * hbil_unpack_radiance(texelFetch(u_last_bounce, t.first + ivec2(i & 1, i >> 1), 0).r);
+    }
+    if (t.all > 0.0) return sum / t.all;
+#if HBIL_REPROJECT_SCATTER
+    if (HBIL_RESET == 0) return hbil_pull(p, z);
+#endif
+    return vec3(0.0);
+}
+
+//@ chunk hbil_grid_albedo
+vec3 hbil_grid_albedo(ivec2 p, float z) {
+#if HBIL_COARSE
+    vec4 w = hbil_quad_weights(p, z);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));
+    return sum;
+#else
+    return hbil_load_albedo(p);
+#endif
+}
+
+//@ chunk main
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
+    float z = hbil_load_depth(p);
+    vec3 radiance = vec3(0.0);
+    if (z < HBIL_SKY) {
+        vec3 gain = min(hbil_grid_albedo(p, z), vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));
+        radiance = hbil_finite(hbil_grid_radiance(p, z) + gain * hbil_last_light(p, z));
+    }
+    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(radiance)));
+#if !HBIL_TEMPORAL_YES
+    imageStore(u_seen, p, uvec4(hbil_pack_seen(z, 0.0)));
+#endif
+}
