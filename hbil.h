@@ -218,7 +218,6 @@ typedef enum hbil_temporal { HBIL_TEMPORAL_NO = 1, HBIL_TEMPORAL_YES } hbil_temp
 typedef enum hbil_rectify { HBIL_RECTIFY_VARIANCE = 1, HBIL_RECTIFY_RANGE, HBIL_RECTIFY_NONE } hbil_rectify;
 typedef enum hbil_bounces { HBIL_BOUNCES_ONE = 1, HBIL_BOUNCES_RECURSIVE } hbil_bounces;
 typedef enum hbil_reproject { HBIL_REPROJECT_CAMERA = 1, HBIL_REPROJECT_GATHER, HBIL_REPROJECT_SCATTER } hbil_reproject;
-typedef enum hbil_storage { HBIL_STORAGE_FULL = 1, HBIL_STORAGE_HALF } hbil_storage;
 typedef enum hbil_arithmetic { HBIL_ARITHMETIC_FULL = 1, HBIL_ARITHMETIC_HALF } hbil_arithmetic;
 typedef enum hbil_facing { HBIL_FACING_NONE = 1, HBIL_FACING_FILTER, HBIL_FACING_HALF_SPACE } hbil_facing;
 typedef enum hbil_environment { HBIL_ENVIRONMENT_NONE = 1, HBIL_ENVIRONMENT_CONSTANT, HBIL_ENVIRONMENT_SH, HBIL_ENVIRONMENT_CUBE,
@@ -238,6 +237,7 @@ typedef enum hbil_normal_encoding { HBIL_NORMAL_ENCODING_XYZ = 1, HBIL_NORMAL_EN
 typedef enum hbil_multisample { HBIL_MULTISAMPLE_NO = 1, HBIL_MULTISAMPLE_YES } hbil_multisample;
 typedef enum hbil_seed_compat { HBIL_SEED_COMPAT_SCREEN_AZIMUTH = 0x1, HBIL_SEED_COMPAT_SLICE_MEAN = 0x2, HBIL_SEED_COMPAT_NOISE_2PI = 0x4, HBIL_SEED_COMPAT_UNIFORM_BENT = 0x8,
     HBIL_SEED_COMPAT_CONE_RELATION = 0x10, HBIL_SEED_COMPAT_F0_AO = 0x20 } hbil_seed_compat;
+typedef enum hbil_storage { HBIL_STORAGE_FULL = 1, HBIL_STORAGE_HALF } hbil_storage;
 typedef enum hbil_dynamic { HBIL_DYNAMIC_SLICES = 0x1, HBIL_DYNAMIC_STEPS = 0x2, HBIL_DYNAMIC_EXPONENT = 0x4, HBIL_DYNAMIC_REACH = 0x8,
     HBIL_DYNAMIC_FALLOFF = 0x10, HBIL_DYNAMIC_THICKNESS = 0x20, HBIL_DYNAMIC_DECAY = 0x40, HBIL_DYNAMIC_BIAS = 0x80,
     HBIL_DYNAMIC_ANGLE_BIAS = 0x100, HBIL_DYNAMIC_MULTIPLIER = 0x200, HBIL_DYNAMIC_PULL = 0x400, HBIL_DYNAMIC_HISTORY = 0x800,
@@ -336,8 +336,6 @@ typedef struct hbil_config {
     int32_t reproject;
     /* march one pixel for each block of 1, 2x2 or 4x4 pixels, and interpolate on the same surface. 1, [1, 4], default 1. baked. source: project, three-gtvbao */
     int32_t downscale;
-    /* numbers between march, filters and frames: rgba32f, or rgba16f. {full, half}, default full. baked. source: project */
-    int32_t storage;
     /* what filter and interpolation add up: float, or mediump, which devices with half floats make use of. {full, half}, default full. baked. source: project */
     int32_t arithmetic;
     /* light of surfaces that face away: kept; last accepted radiance kept instead; cut off at the plane of the source. {none, filter, half_space}, default none. baked. source: Mayaux 2018 sec. 3.4, GT-VBGI */
@@ -388,6 +386,8 @@ typedef struct hbil_config {
     int32_t height;
     /* arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao). {screen_azimuth, slice_mean, noise_2pi, uniform_bent, cone_relation, f0_ao}, default none. baked. source: YPipeline HBIL article, Mayaux 2018 */
     uint32_t seed_compat;
+    /* numbers between march, filters and frames: rgba32f, or rgba16f; ao alone is r32f. {full, half}, default full. baked. source: project */
+    int32_t storage;
     /* options kept as uniforms that may change from frame to frame; all others are literals in the text. {slices, steps, exponent, reach, falloff, thickness, decay, bias, angle_bias, multiplier, pull, history, firefly, near_intensity, far_intensity, ao_exponent, roughness, sky_depth}, default none. baked. source: project */
     uint32_t dynamic;
     /* >>gen config */
@@ -760,11 +760,6 @@ static const hbil_option hbil__options[] = {
       "march one pixel for each block of 1, 2x2 or 4x4 pixels, and interpolate on the same surface",
       "project, three-gtvbao",
       HBIL_KIND_INT, 0, (uint32_t)offsetof(hbil_config, downscale), 1, 4, 1 },
-    { "storage", "", "full half",
-      "HBIL_STAGED",
-      "numbers between march, filters and frames: rgba32f, or rgba16f",
-      "project",
-      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, storage), 1, 2, 1 },
     { "arithmetic", "", "full half",
       "!HBIL_FILTER_NONE || HBIL_COARSE",
       "what filter and interpolation add up: float, or mediump, which devices with half floats make use of",
@@ -890,6 +885,11 @@ static const hbil_option hbil__options[] = {
       "arithmetic of older articles: slices uniform on the screen; mean, no ratio; noise * 2 pi; bent vector without the cosine; cos aperture = 1 - ao; F0(ao)",
       "YPipeline HBIL article, Mayaux 2018",
       HBIL_KIND_SET, 0, (uint32_t)offsetof(hbil_config, seed_compat), 0, 63, 0 },
+    { "storage", "", "full half",
+      "HBIL_STAGED && !HBIL_ONLY_AO",
+      "numbers between march, filters and frames: rgba32f, or rgba16f; ao alone is r32f",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, storage), 1, 2, 1 },
     { "dynamic", "", "slices steps exponent reach falloff thickness decay bias angle_bias multiplier pull history firefly near_intensity far_intensity ao_exponent roughness sky_depth",
       "",
       "options kept as uniforms that may change from frame to frame; all others are literals in the text",
@@ -925,6 +925,7 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "LIGHT_LAYER", "HBIL_VISIBILITY || HBIL_NEAR_LIGHT" }, /* layer of a signal: rgb near light, a ao */
     { "BENT_LAYER", "HBIL_BENT || HBIL_DEFER" }, /* layer of a signal: xyz bent vector, a light of an open sky */
     { "FAR_LAYER", "HBIL_FAR_BITS || HBIL_OUTPUTS_UNIFORM_AO" }, /* layer of a signal: rgb far light, a uniform ao */
+    { "ONLY_AO", "HBIL_LIGHT_LAYER && !HBIL_NEAR_LIGHT && !HBIL_BENT_LAYER && !HBIL_FAR_LAYER && !HBIL_OUTPUTS_SH" }, /* a signal is one number, and its textures have one channel */
     { "SPANS", "HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* sectors are turned back into directions */
 };
 static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
@@ -978,12 +979,12 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
 };
 static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
-    { 57, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
-    { 57, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
-    { 57, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
-    { 57, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
-    { 57, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
-    { 57, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
+    { 56, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
+    { 56, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 56, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 56, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 56, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 56, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
     { "fast", "whole screen at the price of two swept slices; a third of their error, by the filter",
@@ -2962,10 +2963,21 @@ static const char hbil__glsl_signal_HBIL_AT_FAR[] =
 "    ;\n";
 static const char hbil__glsl_signal_HBIL_AT_SH[] =
 "const int HBIL_AT_SH = HBIL_LAYERS - 4; // first layer of sh\n";
+static const char hbil__glsl_signal_hbil_signal[] =
+"// Layer of the signal that the pass before left. Ao alone lies in the only channel.\n"
+"vec4 hbil_signal(ivec2 p, int layer) {\n"
+"#if HBIL_ONLY_AO\n"
+"    return texelFetch(u_from, ivec3(p, layer), 0).rrrr;\n"
+"#else\n"
+"    return texelFetch(u_from, ivec3(p, layer), 0);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_signal_hbil_pass_on[] =
 "// Leave a signal for the next pass.\n"
 "void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {\n"
-"#if HBIL_STORAGE_HALF\n"
+"#if HBIL_ONLY_AO\n"
+"    imageStore(u_to, ivec3(p, 0), vec4(s[0].a));\n"
+"#elif HBIL_STORAGE_HALF\n"
 "    for (int i = 0; i < HBIL_LAYERS; ++i)\n"
 "        imageStore(u_to, ivec3(p, i), clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX)));\n"
 "#else\n"
@@ -3089,13 +3101,13 @@ static const char hbil__glsl_signal_hbil_blend[] =
 "#if HBIL_ARITHMETIC_HALF\n"
 "void hbil_blend(ivec2 q, mediump float share, inout mediump vec4 s[HBIL_LAYERS]) {\n"
 "    for (int i = 0; i < HBIL_LAYERS; ++i) {\n"
-"        mediump vec4 other = texelFetch(u_from, ivec3(q, i), 0);\n"
+"        mediump vec4 other = hbil_signal(q, i);\n"
 "        s[i] += share * (other - s[i]);\n"
 "    }\n"
 "}\n"
 "#else\n"
 "void hbil_blend(ivec2 q, float share, inout vec4 s[HBIL_LAYERS]) {\n"
-"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] += share * (texelFetch(u_from, ivec3(q, i), 0) - s[i]);\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] += share * (hbil_signal(q, i) - s[i]);\n"
 "}\n"
 "#endif\n";
 static const char hbil__glsl_signal_hbil_filter_share[] =
@@ -3120,7 +3132,7 @@ static const char hbil__glsl_signal_hbil_filter[] =
 "#if HBIL_TEMPORAL_YES\n"
 "    float share = hbil_filter_share(p);\n"
 "#endif\n"
-"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = texelFetch(u_from, ivec3(p, i), 0);\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = hbil_signal(p, i);\n"
 "    for (int y = -HBIL_FILTER_RADIUS; y <= HBIL_FILTER_RADIUS; ++y)\n"
 "        for (int x = -HBIL_FILTER_RADIUS; x <= HBIL_FILTER_RADIUS; ++x) {\n"
 "            ivec2 q = p + gap * ivec2(x, y);\n"
@@ -4033,7 +4045,7 @@ static const char hbil__glsl_temporal_hbil_rectify[] =
 "        for (int x = -1; x <= 1; ++x) {\n"
 "            ivec2 q = clamp(p + ivec2(x, y), ivec2(0), HBIL_SIZE - 1);\n"
 "            if (hbil_load_depth(q) >= HBIL_SKY) continue;\n"
-"            vec4 s = texelFetch(u_from, ivec3(q, layer), 0);\n"
+"            vec4 s = hbil_signal(q, layer);\n"
 "#if HBIL_RECTIFY_VARIANCE\n"
 "            sum += s;\n"
 "            squares += s * s;\n"
@@ -4052,6 +4064,15 @@ static const char hbil__glsl_temporal_hbil_rectify[] =
 "#endif\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_temporal_hbil_last_signal[] =
+"// The same of last frame's running mean.\n"
+"vec4 hbil_last_signal(ivec2 p, int layer) {\n"
+"#if HBIL_ONLY_AO\n"
+"    return texelFetch(u_last_signal, ivec3(p, layer), 0).rrrr;\n"
+"#else\n"
+"    return texelFetch(u_last_signal, ivec3(p, layer), 0);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_temporal_HBIL_SANE[] =
 "const float HBIL_SANE = 1e7; // history beyond, or that is no number, is thrown away\n";
 static const char hbil__glsl_temporal_main[] =
@@ -4070,12 +4091,12 @@ static const char hbil__glsl_temporal_main[] =
 "    float frames = t.all > 0.0 ? min(t.frames / t.all + 1.0, float(HBIL_HISTORY)) : 1.0;\n"
 "    vec4 s[HBIL_LAYERS];\n"
 "    for (int i = 0; i < HBIL_LAYERS; ++i) {\n"
-"        s[i] = texelFetch(u_from, ivec3(p, i), 0);\n"
+"        s[i] = hbil_signal(p, i);\n"
 "        if (t.all <= 0.0) continue;\n"
 "        vec4 past = vec4(0.0);\n"
 "        for (int k = 0; k < 4; ++k)\n"
 "            if (t.weights[k] > 0.0)\n"
-"                past += t.weights[k] * texelFetch(u_last_signal, ivec3(t.first + ivec2(k & 1, k >> 1), i), 0);\n"
+"                past += t.weights[k] * hbil_last_signal(t.first + ivec2(k & 1, k >> 1), i);\n"
 "        past /= t.all;\n"
 "        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) continue; // NaN too\n"
 "#if !HBIL_RECTIFY_NONE\n"
@@ -4487,6 +4508,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_AT_BENT", "signal", hbil__glsl_signal_HBIL_AT_BENT },
     { "HBIL_AT_FAR", "signal", hbil__glsl_signal_HBIL_AT_FAR },
     { "HBIL_AT_SH", "signal", hbil__glsl_signal_HBIL_AT_SH },
+    { "hbil_signal", "signal", hbil__glsl_signal_hbil_signal },
     { "hbil_pass_on", "signal", hbil__glsl_signal_hbil_pass_on },
     { "hbil_finish", "signal", hbil__glsl_signal_hbil_finish },
     { "hbil_finish_sky", "signal", hbil__glsl_signal_hbil_finish_sky },
@@ -4558,6 +4580,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "main", "march", hbil__glsl_march_main },
     { "HBIL_RECTIFY_WIDTH", "temporal", hbil__glsl_temporal_HBIL_RECTIFY_WIDTH },
     { "hbil_rectify", "temporal", hbil__glsl_temporal_hbil_rectify },
+    { "hbil_last_signal", "temporal", hbil__glsl_temporal_hbil_last_signal },
     { "HBIL_SANE", "temporal", hbil__glsl_temporal_HBIL_SANE },
     { "main", "temporal", hbil__glsl_temporal_main },
     { "main", "filter", hbil__glsl_filter_main },
@@ -5228,6 +5251,7 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     t = &p->textures[p->texture_count];
     memcpy(t->name, hbil__textures[texture].name, strlen(hbil__textures[texture].name));
     t->format = hbil__textures[texture].format;
+    if (t->format == HBIL_FORMAT_SIGNAL && hbil__holds(c, "HBIL_ONLY_AO")) t->format = HBIL_FORMAT_R32F;
     if (t->format == HBIL_FORMAT_SIGNAL) t->format = c->storage == HBIL_STORAGE_HALF ? HBIL_FORMAT_RGBA16F : HBIL_FORMAT_RGBA32F;
     t->life = hbil__textures[texture].life;
     if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;

@@ -671,7 +671,7 @@ static void measure(session *s)
     truths[OUTPUT_IRRADIANCE] = &sum;
     truths[OUTPUT_COMPOSITE] = &composite;
     fields[OUTPUT_AO] = &s->cap.hf_ao;
-    fields[OUTPUT_NEAR] = &s->cap.hf_near;
+    if (truth_near(s) == &s->cap.truth_near) fields[OUTPUT_NEAR] = &s->cap.hf_near; /* which is of one bounce */
     for (k = 0; k < OUTPUT_KINDS; k++) {
         if (!s->outputs[k].data) continue;
         s->metrics[k] = metric_measure(&s->outputs[k], truths[k], &s->cap);
@@ -961,6 +961,25 @@ static void print_frame(const session *s)
     fflush(stdout);
 }
 
+/* Are the files of all frames there? Asked before the first one is lit. */
+static int check_frames(session *s)
+{
+    int n, k;
+
+    for (n = s->args.first; s->args.frame && n <= s->args.last; n++) {
+        const char *const paths[2] = {s->files.frame, s->files.camera};
+
+        if (!name_files(s, n)) return fail(s, FILES);
+        for (k = 0; k < 2; k++) {
+            if (access(paths[k], R_OK) == 0) continue;
+            frame_error(s->error, sizeof s->error, "%s: is missing or cannot be read. Write it, or change --frames %d:%d", paths[k],
+                        s->args.first, s->args.last);
+            return fail(s, FILES);
+        }
+    }
+    return DONE;
+}
+
 /* One frame, from its files to its files. The plan is that of the first. */
 static int work_frame(session *s)
 {
@@ -983,6 +1002,7 @@ static int work(session *s)
     int       code = read_environment(s), n;
 
     if (code == DONE) code = make_config(s);
+    if (code == DONE && s->args.sequence) code = check_frames(s);
     for (n = first; code == DONE && n <= last; n++) {
         if (n > first) end_frame(s);
         if (!name_files(s, n)) return fail(s, FILES);

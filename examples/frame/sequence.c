@@ -11,7 +11,7 @@ static size_t conversion(const char *at, int *width, int *zeros)
     const size_t digits = strspn(at, "0123456789");
 
     if (*at == '%') return 1;
-    if (digits > 2 || at[digits] != 'd') return 0;
+    if (digits > 2 || at[digits] != 'd' || (digits && *at != '0')) return 0; /* blanks have no place in a name */
     *zeros = *at == '0';
     *width = digits ? atoi(at) : 0;
     return digits + 1;

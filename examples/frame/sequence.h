@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* Conversions %d, %3d or %03d in a pattern; %% is a percent sign. -1: there is another one, or a % at the end. */
+/* Conversions %d or %03d in a pattern; %% is a percent sign. -1: there is another one, or a % at the end. */
 int sequence_conversions(const char *pattern);
 /* The pattern with the number in the place of its conversion. 1, or 0: longer than size. The pattern has at most one. */
 int sequence_name(char *out, size_t size, const char *pattern, int number);

@@ -36,10 +36,22 @@ const int HBIL_AT_FAR = 0 // layer of far light
 //@ chunk HBIL_AT_SH
 const int HBIL_AT_SH = HBIL_LAYERS - 4; // first layer of sh
 
+//@ chunk hbil_signal
+// Layer of the signal that the pass before left. Ao alone lies in the only channel.
+vec4 hbil_signal(ivec2 p, int layer) {
+#if HBIL_ONLY_AO
+    return texelFetch(u_from, ivec3(p, layer), 0).rrrr;
+#else
+    return texelFetch(u_from, ivec3(p, layer), 0);
+#endif
+}
+
 //@ chunk hbil_pass_on
 // Leave a signal for the next pass.
 void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {
-#if HBIL_STORAGE_HALF
+#if HBIL_ONLY_AO
+    imageStore(u_to, ivec3(p, 0), vec4(s[0].a));
+#elif HBIL_STORAGE_HALF
     for (int i = 0; i < HBIL_LAYERS; ++i)
         imageStore(u_to, ivec3(p, i), clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX)));
 #else
@@ -172,13 +184,13 @@ const int HBIL_FILTER_RADIUS = 2; // pixels
 #if HBIL_ARITHMETIC_HALF
 void hbil_blend(ivec2 q, mediump float share, inout mediump vec4 s[HBIL_LAYERS]) {
     for (int i = 0; i < HBIL_LAYERS; ++i) {
-        mediump vec4 other = texelFetch(u_from, ivec3(q, i), 0);
+        mediump vec4 other = hbil_signal(q, i);
         s[i] += share * (other - s[i]);
     }
 }
 #else
 void hbil_blend(ivec2 q, float share, inout vec4 s[HBIL_LAYERS]) {
-    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] += share * (texelFetch(u_from, ivec3(q, i), 0) - s[i]);
+    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] += share * (hbil_signal(q, i) - s[i]);
 }
 #endif
 
@@ -205,7 +217,7 @@ void hbil_filter(ivec2 p, float z, int gap, out vec4 s[HBIL_LAYERS]) {
 #if HBIL_TEMPORAL_YES
     float share = hbil_filter_share(p);
 #endif
-    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = texelFetch(u_from, ivec3(p, i), 0);
+    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = hbil_signal(p, i);
     for (int y = -HBIL_FILTER_RADIUS; y <= HBIL_FILTER_RADIUS; ++y)
         for (int x = -HBIL_FILTER_RADIUS; x <= HBIL_FILTER_RADIUS; ++x) {
             ivec2 q = p + gap * ivec2(x, y);

@@ -22,7 +22,7 @@ vec4 hbil_rectify(ivec2 p, int layer, vec4 past) {
         for (int x = -1; x <= 1; ++x) {
             ivec2 q = clamp(p + ivec2(x, y), ivec2(0), HBIL_SIZE - 1);
             if (hbil_load_depth(q) >= HBIL_SKY) continue;
-            vec4 s = texelFetch(u_from, ivec3(q, layer), 0);
+            vec4 s = hbil_signal(q, layer);
 #if HBIL_RECTIFY_VARIANCE
             sum += s;
             squares += s * s;
@@ -41,6 +41,16 @@ vec4 hbil_rectify(ivec2 p, int layer, vec4 past) {
 #endif
 }
 #endif
+
+//@ chunk hbil_last_signal
+// The same of last frame's running mean.
+vec4 hbil_last_signal(ivec2 p, int layer) {
+#if HBIL_ONLY_AO
+    return texelFetch(u_last_signal, ivec3(p, layer), 0).rrrr;
+#else
+    return texelFetch(u_last_signal, ivec3(p, layer), 0);
+#endif
+}
 
 //@ chunk HBIL_SANE
 const float HBIL_SANE = 1e7; // history beyond, or that is no number, is thrown away
@@ -61,12 +71,12 @@ void main() {
     float frames = t.all > 0.0 ? min(t.frames / t.all + 1.0, float(HBIL_HISTORY)) : 1.0;
     vec4 s[HBIL_LAYERS];
     for (int i = 0; i < HBIL_LAYERS; ++i) {
-        s[i] = texelFetch(u_from, ivec3(p, i), 0);
+        s[i] = hbil_signal(p, i);
         if (t.all <= 0.0) continue;
         vec4 past = vec4(0.0);
         for (int k = 0; k < 4; ++k)
             if (t.weights[k] > 0.0)
-                past += t.weights[k] * texelFetch(u_last_signal, ivec3(t.first + ivec2(k & 1, k >> 1), i), 0);
+                past += t.weights[k] * hbil_last_signal(t.first + ivec2(k & 1, k >> 1), i);
         past /= t.all;
         if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) continue; // NaN too
 #if !HBIL_RECTIFY_NONE

@@ -360,6 +360,12 @@ specular_occlusion.png uniform_ao.png" --env sky --set roughness=0.4
     refused 5 'bad_hook.glsl' $frame --backend $backend --hook bad_hook.glsl
     check 'message has the line of the hook' grep -Eq ':4[:(]' ../err.txt
     check 'and what is wrong there' grep -q nonsense ../err.txt
+    say "$backend, a sequence whose last frame is missing"
+    cp good.exr f0.exr && cp good.json f0.json
+    expect 3 --frame 'f%d.exr' --camera 'f%d.json' --frames 0:1 --backend $backend --out 'seq-%02d.exr'
+    check 'message names it' grep -qF 'f1.exr' ../err.txt
+    check 'nothing is written' test ! -e seq-00.exr
+    rm f0.exr f0.json
     say "$backend, a sequence"
     expect 0 --scene cornell --size 32x18 --rays 4 --frames 3:5 --move 0.1,0,0.1 --turn 1 --cut 5 --backend $backend \
         --set outputs=ao+near,temporal=yes,bounces=recursive,filter=3x3 --out 'seq-%02d.exr' --png seq --report seq.json

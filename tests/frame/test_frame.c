@@ -1278,7 +1278,7 @@ static void frames_follow_each_other(void **state)
 static void patterns_and_ranges_are_read(void **state)
 {
     static const struct { const char *pattern; int conversions; const char *name; } patterns[] = {
-        {"a/frame-%03d.exr", 1, "a/frame-007.exr"}, {"%d", 1, "7"}, {"%2d", 1, " 7"}, {"50%%-%d", 1, "50%-7"}, {"plain", 0, "plain"},
+        {"a/frame-%03d.exr", 1, "a/frame-007.exr"}, {"%d", 1, "7"}, {"%02d", 1, "07"}, {"%2d", -1, NULL}, {"50%%-%d", 1, "50%-7"}, {"plain", 0, "plain"},
         {"%d%d", 2, "77"}, {"%s", -1, NULL}, {"%n", -1, NULL}, {"100%", -1, NULL}, {"%123d", -1, NULL}};
     static const struct { const char *text; int good; } ranges[] = {{"0:11", 1}, {"3:3", 1}, {"4:3", 0}, {"-1:3", 0}, {"1", 0}, {"1:", 0},
         {"1:2x", 0}, {"0:100000", 0}, {"a:b", 0}};

@@ -445,7 +445,7 @@ static const absence absences[] = {
     { "outputs=ao filter=3x3 slices=1", "outputs=ao slices=1", "to from", "", FETCHES },
     { "outputs=ao temporal=yes", "outputs=ao", "to from last_signal last_seen seen",
       "HBIL_LAST_FROM_VIEW HBIL_LAST_TO_RAY HBIL_LAST_SIZE HBIL_RESET", FETCHES },
-    { "outputs=ao temporal=yes", "outputs=ao temporal=yes rectify=none", "", "", FETCHES },
+    { "outputs=ao temporal=yes", "outputs=ao temporal=yes rectify=none", "", "", ARITHMETIC }, /* fetches are a function's */
     { "outputs=ao temporal=yes dynamic=history", "outputs=ao temporal=yes", "", "HBIL_HISTORY", ARITHMETIC },
     { "outputs=ao temporal=yes reproject=gather", "outputs=ao temporal=yes", "motion", "", INSTEAD },
     { "outputs=ao temporal=yes reproject=scatter", "outputs=ao temporal=yes", "landed claimed", "HBIL_VIEW_FROM_LAST", FETCHES },
@@ -456,7 +456,7 @@ static const absence absences[] = {
     { "outputs=near bounces=recursive temporal=yes", "outputs=near bounces=recursive", "to from last_signal", "", FETCHES },
     { "outputs=ao downscale=2", "outputs=ao", "to from full_depth full_normal", "HBIL_FULL_SIZE", FETCHES },
     { "outputs=near downscale=4", "outputs=near gather=packed", "to from full_depth full_normal", "HBIL_FULL_SIZE", FETCHES },
-    { "outputs=ao filter=3x3 storage=half", "outputs=ao filter=3x3", "", "", ARITHMETIC }, /* kept below the largest half */
+    { "outputs=ao+near filter=3x3 storage=half", "outputs=ao+near filter=3x3", "", "", ARITHMETIC }, /* kept below the largest half */
     { "outputs=ao filter=3x3 arithmetic=half", "outputs=ao filter=3x3", "", "", INSTEAD },
     /* inputs */
     { "outputs=ao depth=device", "outputs=ao", "", "HBIL_DEPTH_TO_VIEW", ARITHMETIC },
