@@ -492,7 +492,7 @@ typedef struct hbil_frame {
     uint32_t width, height; /* render size in pixels, [1, 16384]; 0 where the config bakes it */
     uint32_t index;         /* frame number: advances the noise */
     float    projection[16];/* view -> clip, column-major, jitter included. Texel row 0 is ndc y = -1 */
-    float    view[16];      /* world -> view, column-major, rigid. Read with normals=world, and where far light has a direction */
+    float    view[16];      /* world -> view, column-major, rigid. Read with normals=world, where far light has a direction, and where history is read */
     float    far_color[3];  /* environment=constant: radiance */
     float    far_sh[9][3];  /* environment=sh: radiance by [l*l+l+m], world space. Y00 .282095, Y1-1 Y10 Y11 .488603 y z x,
                                Y2-2 Y2-1 Y21 1.092548 xy yz xz, Y20 .315392 (3zz-1), Y22 .546274 (xx-yy). order 1 reads four */
@@ -6285,6 +6285,9 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
+    if (c.bounces == HBIL_BOUNCES_RECURSIVE && c.facing == HBIL_FACING_NONE)
+        hbil__say(diags, HBIL_NOTE, hbil_option_find("facing", 6, NULL), "facing=none with bounces=recursive: light of surfaces that face away adds up",
+                  " from bounce to bounce; half_space cuts it off");
     if (c.sweep_stride > 1 && c.slices % 2) {
         hbil__sink s;
         hbil__report(diags, HBIL_ERROR, hbil_option_find("sweep_stride", 12, NULL), &s);

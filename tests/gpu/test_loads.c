@@ -259,10 +259,13 @@ static void loads_per_pixel_of_each_preset(void **state)
             c.steps = 32;
             note = " (slices and steps reduced for this table)";
         }
-        if (c.filter) { /* would mix the counts of neighbours */
+        if (c.filter || c.temporal || c.downscale) { /* would mix the counts of neighbours and frames */
             c.filter = HBIL_FILTER_NONE;
-            note = " (march without its filter; the pass sweep not counted)";
+            c.temporal = HBIL_TEMPORAL_NO;
+            c.downscale = 1;
+            note = " (the bare march; the pass sweep not counted)";
         }
+        c.bounces = HBIL_BOUNCES_ONE;
         measure(&c, &m);
         print_row(hbil_preset_name(i), note, &m);
         assert_true(m.march.most[DEPTH] <= depth_limit(&m.plan.config));

@@ -256,6 +256,39 @@ static void one_slice_is_divided_after_the_filter(void **state)
     for_all(check_one_slice);
 }
 
+/* --- the noise's period ------------------------------------------------------------------------------------------ */
+
+static int same(const image *a, const image *b)
+{
+    assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    return memcmp(a->data, b->data, (size_t)(a->width * a->height * a->channels) * sizeof *a->data) == 0;
+}
+
+static void make_room(gpu_input *in, int size, double tangent, float emission, float albedo);
+static void free_room(gpu_input *in);
+
+/* Jitters of 8, 16, 32 and 64 frames meet other noise in each round. */
+static void noise_has_not_the_period_of_a_jitter(void **state)
+{
+    static const char *const noises[] = {"noise=hilbert_r2", "noise=ign", "noise=ign interleave=yes", "march=sweep"};
+    static const int         periods[] = {8, 16, 32, 64, 61};
+    (void)state;
+    for (int i = 0; i < 4; ++i) {
+        const hbil_config c = config_of("outputs=ao+near slices=2 steps=3", noises[i]);
+        gpu_input         in;
+        gpu_output        first, later;
+        make_room(&in, 32, 2.0, 1.0f, 0.5f);
+        run_still(&c, &in, 5, 1, &first);
+        for (int k = 0; k < 5; ++k) {
+            run_still(&c, &in, 5u + (uint32_t)periods[k], 1, &later);
+            assert_int_equal(same(&first.ao, &later.ao), periods[k] == 61 && strstr(noises[i], "ign") != NULL);
+            gpu_free(&later);
+        }
+        gpu_free(&first);
+        free_room(&in);
+    }
+}
+
 /* --- flicker ----------------------------------------------------------------------------------------------------- */
 
 static int check_flicker(const char *name, const capture *cap)
@@ -664,12 +697,6 @@ static void disoccluded_pixels_begin_anew(void **state)
     for_films(check_ghosts);
 }
 
-static int same(const image *a, const image *b)
-{
-    assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
-    return memcmp(a->data, b->data, (size_t)(a->width * a->height * a->channels) * sizeof *a->data) == 0;
-}
-
 /* Every way to look back. */
 static const char *const k_backs[] = {"outputs=ao+near temporal=yes bounces=recursive", "outputs=ao+near temporal=yes bounces=recursive reproject=scatter",
                                       "outputs=ao+near temporal=yes bounces=recursive reproject=gather downscale=2"};
@@ -912,6 +939,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_falls_by_filter_and_running_mean),
         cmocka_unit_test(one_slice_is_divided_after_the_filter),
+        cmocka_unit_test(noise_has_not_the_period_of_a_jitter),
         cmocka_unit_test(a_still_picture_does_not_flicker),
         cmocka_unit_test(light_in_a_closed_room_adds_up),
         cmocka_unit_test(light_stays_bounded),
