@@ -664,7 +664,7 @@ static int check_ghosts(const char *name, const film *f)
     const capture           *last = &f->frame[MOVES - 1], *before = &f->frame[MOVES - 2];
     field                    truth;
     int                      good = 1;
-    mean_of_frames(last, 256, &truth);
+    mean_of_frames(last, 96, &truth);
     for (int i = 0; i < 3; ++i) {
         hbil_config config = config_of(k_noisy, "temporal=yes filter=5x5 filter_passes=2");
         double      sum[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, count[2] = {0.0, 0.0};
