@@ -135,7 +135,7 @@
  *   history       is yours to reset: frame.reset at a cut. The backends do so after a resize. Several views: one instance of a backend
  *                 each. Dynamic resolution: textures of the largest size, frame.width and .height per frame, last_width and
  *                 last_height beside them. Depths and light in it that are no finite numbers count as absent.
- *   order         prepare, shrink, scatter, claim, push, reproject, mips, sweep, march, temporal, filter, filter_2, filter_3, upsample,
+ *   order         prepare, shrink, scatter, claim, push, push_2, reproject, mips, sweep, march, temporal, filter, filter_2, filter_3, upsample,
  *                 light: those that the config needs.
  *
  * ======================================================================================================================
@@ -1189,7 +1189,9 @@ static const struct { const char *name; uint16_t life, format, dim, layers, grid
     { "claimed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
       "the pixel of last frame that it came from: x + y * 65536, all ones if none did" },
     { "pushed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 1, "",
-      "last frame's irradiance where it fell, levels of 2 to 64 pixels side by side: rgb mean, a depth, 0 if empty" },
+      "last frame's irradiance where it fell, levels of 2 and 4 pixels side by side: rgb mean, a depth, 0 if empty" },
+    { "pushed_far", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, 2, 8, "",
+      "the same, layer 0 of 8 pixels, layer 1 of 16, 32 and 64 side by side" },
     { "raw", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
       "what this frame's march says, in layers: see HBIL_LAYERS" },
     { "signal", HBIL_LIFE_HISTORY, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
@@ -1234,8 +1236,10 @@ static const struct { const char *name, *exists; uint16_t grid, domain, group[2]
       "last frame's pixels into this frame: the nearest depth stays" },
     { "claim", "HBIL_REPROJECT_SCATTER", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "last frame's pixels again: those of the nearest depth leave their address" },
-    { "push", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 12, { 8, 8 },
-      "last frame's light where it fell, in ever coarser levels, for the holes" },
+    { "push", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 22, { 8, 8 },
+      "last frame's light where it fell, in coarser levels, for the holes" },
+    { "push_2", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 22, { 8, 8 },
+      "the levels from 16 to 64 pixels" },
     { "reproject", "HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "radiance and what the surface reflects of last frame's light" },
     { "mips", "HBIL_MIPS", HBIL_GRID_PIXELS, 12, { 8, 8 },
@@ -1274,144 +1278,147 @@ static const struct { uint16_t pass, texture, role; const char *when; } hbil__bi
     { 1, 13, HBIL_ROLE_WRITE, "" }, /* shrink view_normal */
     { 1, 14, HBIL_ROLE_WRITE, "" }, /* shrink view_radiance */
     { 1, 19, HBIL_ROLE_WRITE, "" }, /* shrink landed */
-    { 2, 26, HBIL_ROLE_LAST, "" }, /* scatter seen */
+    { 2, 27, HBIL_ROLE_LAST, "" }, /* scatter seen */
     { 2, 19, HBIL_ROLE_UPDATE, "" }, /* scatter landed */
     { 2, 20, HBIL_ROLE_WRITE, "" }, /* scatter claimed */
-    { 3, 26, HBIL_ROLE_LAST, "" }, /* claim seen */
+    { 3, 27, HBIL_ROLE_LAST, "" }, /* claim seen */
     { 3, 19, HBIL_ROLE_SAMPLE, "" }, /* claim landed */
     { 3, 20, HBIL_ROLE_UPDATE, "" }, /* claim claimed */
     { 4, 20, HBIL_ROLE_SAMPLE, "" }, /* push claimed */
-    { 4, 26, HBIL_ROLE_LAST, "" }, /* push seen */
-    { 4, 27, HBIL_ROLE_LAST, "" }, /* push bounce */
+    { 4, 19, HBIL_ROLE_SAMPLE, "" }, /* push landed */
+    { 4, 28, HBIL_ROLE_LAST, "" }, /* push bounce */
     { 4, 21, HBIL_ROLE_WRITE, "" }, /* push pushed */
-    { 5, 12, HBIL_ROLE_SAMPLE, "" }, /* reproject view_depth */
-    { 5, 13, HBIL_ROLE_SAMPLE, "" }, /* reproject view_normal */
-    { 5, 10, HBIL_ROLE_SAMPLE, "" }, /* reproject full_depth */
-    { 5, 2, HBIL_ROLE_SAMPLE, "" }, /* reproject radiance */
-    { 5, 5, HBIL_ROLE_SAMPLE, "" }, /* reproject albedo */
-    { 5, 3, HBIL_ROLE_SAMPLE, "" }, /* reproject motion */
-    { 5, 20, HBIL_ROLE_SAMPLE, "" }, /* reproject claimed */
-    { 5, 21, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed */
-    { 5, 26, HBIL_ROLE_LAST, "" }, /* reproject seen */
-    { 5, 27, HBIL_ROLE_LAST, "" }, /* reproject bounce */
-    { 5, 14, HBIL_ROLE_WRITE, "" }, /* reproject view_radiance */
-    { 5, 26, HBIL_ROLE_WRITE, "" }, /* reproject seen */
-    { 6, 12, HBIL_ROLE_SAMPLE, "" }, /* mips view_depth */
-    { 6, 14, HBIL_ROLE_SAMPLE, "" }, /* mips view_radiance */
-    { 6, 15, HBIL_ROLE_WRITE, "" }, /* mips depth_mips */
-    { 6, 16, HBIL_ROLE_WRITE, "" }, /* mips radiance_mips */
-    { 7, 12, HBIL_ROLE_SAMPLE, "" }, /* sweep view_depth */
-    { 7, 13, HBIL_ROLE_SAMPLE, "" }, /* sweep view_normal */
-    { 7, 14, HBIL_ROLE_SAMPLE, "" }, /* sweep view_radiance */
-    { 7, 17, HBIL_ROLE_UPDATE, "" }, /* sweep swept */
-    { 7, 18, HBIL_ROLE_UPDATE, "" }, /* sweep swept_light */
-    { 8, 12, HBIL_ROLE_SAMPLE, "" }, /* march view_depth */
-    { 8, 13, HBIL_ROLE_SAMPLE, "" }, /* march view_normal */
-    { 8, 2, HBIL_ROLE_SAMPLE, "" }, /* march radiance */
-    { 8, 14, HBIL_ROLE_SAMPLE, "" }, /* march view_radiance */
-    { 8, 15, HBIL_ROLE_SAMPLE, "" }, /* march depth_mips */
-    { 8, 16, HBIL_ROLE_SAMPLE, "" }, /* march radiance_mips */
-    { 8, 17, HBIL_ROLE_SAMPLE, "" }, /* march swept */
-    { 8, 18, HBIL_ROLE_SAMPLE, "" }, /* march swept_light */
-    { 8, 6, HBIL_ROLE_SAMPLE, "" }, /* march f0 */
-    { 8, 8, HBIL_ROLE_SAMPLE, "" }, /* march sky */
-    { 8, 9, HBIL_ROLE_SAMPLE, "" }, /* march probes */
-    { 8, 22, HBIL_ROLE_TO, "" }, /* march raw */
-    { 8, 28, HBIL_ROLE_WRITE, "" }, /* march ao */
-    { 8, 29, HBIL_ROLE_WRITE, "" }, /* march uniform_ao */
-    { 8, 30, HBIL_ROLE_WRITE, "" }, /* march bent */
-    { 8, 32, HBIL_ROLE_WRITE, "" }, /* march near */
-    { 8, 33, HBIL_ROLE_WRITE, "" }, /* march sh */
-    { 8, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* march far */
-    { 9, 12, HBIL_ROLE_SAMPLE, "" }, /* temporal view_depth */
-    { 9, 13, HBIL_ROLE_SAMPLE, "" }, /* temporal view_normal */
-    { 9, 3, HBIL_ROLE_SAMPLE, "" }, /* temporal motion */
-    { 9, 20, HBIL_ROLE_SAMPLE, "" }, /* temporal claimed */
-    { 9, 22, HBIL_ROLE_FROM, "" }, /* temporal raw */
-    { 9, 26, HBIL_ROLE_LAST, "" }, /* temporal seen */
-    { 9, 23, HBIL_ROLE_LAST, "" }, /* temporal signal */
-    { 9, 6, HBIL_ROLE_SAMPLE, "" }, /* temporal f0 */
-    { 9, 26, HBIL_ROLE_WRITE, "" }, /* temporal seen */
-    { 9, 23, HBIL_ROLE_TO, "" }, /* temporal signal */
-    { 9, 28, HBIL_ROLE_WRITE, "" }, /* temporal ao */
-    { 9, 29, HBIL_ROLE_WRITE, "" }, /* temporal uniform_ao */
-    { 9, 30, HBIL_ROLE_WRITE, "" }, /* temporal bent */
-    { 9, 32, HBIL_ROLE_WRITE, "" }, /* temporal near */
-    { 9, 33, HBIL_ROLE_WRITE, "" }, /* temporal sh */
-    { 9, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* temporal far */
-    { 10, 12, HBIL_ROLE_SAMPLE, "" }, /* filter view_depth */
-    { 10, 13, HBIL_ROLE_SAMPLE, "" }, /* filter view_normal */
-    { 10, 26, HBIL_ROLE_SAMPLE, "" }, /* filter seen */
-    { 10, 22, HBIL_ROLE_FROM, "HBIL_TEMPORAL_NO" }, /* filter raw */
-    { 10, 23, HBIL_ROLE_FROM, "HBIL_TEMPORAL_YES" }, /* filter signal */
-    { 10, 6, HBIL_ROLE_SAMPLE, "" }, /* filter f0 */
-    { 10, 24, HBIL_ROLE_TO, "" }, /* filter soft */
-    { 10, 28, HBIL_ROLE_WRITE, "" }, /* filter ao */
-    { 10, 29, HBIL_ROLE_WRITE, "" }, /* filter uniform_ao */
-    { 10, 30, HBIL_ROLE_WRITE, "" }, /* filter bent */
-    { 10, 32, HBIL_ROLE_WRITE, "" }, /* filter near */
-    { 10, 33, HBIL_ROLE_WRITE, "" }, /* filter sh */
-    { 10, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter far */
-    { 11, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_depth */
-    { 11, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_normal */
-    { 11, 26, HBIL_ROLE_SAMPLE, "" }, /* filter_2 seen */
-    { 11, 24, HBIL_ROLE_FROM, "" }, /* filter_2 soft */
-    { 11, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_2 f0 */
-    { 11, 25, HBIL_ROLE_TO, "" }, /* filter_2 soft_2 */
-    { 11, 28, HBIL_ROLE_WRITE, "" }, /* filter_2 ao */
-    { 11, 29, HBIL_ROLE_WRITE, "" }, /* filter_2 uniform_ao */
-    { 11, 30, HBIL_ROLE_WRITE, "" }, /* filter_2 bent */
-    { 11, 32, HBIL_ROLE_WRITE, "" }, /* filter_2 near */
-    { 11, 33, HBIL_ROLE_WRITE, "" }, /* filter_2 sh */
-    { 11, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_2 far */
-    { 12, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_depth */
-    { 12, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_normal */
-    { 12, 26, HBIL_ROLE_SAMPLE, "" }, /* filter_3 seen */
-    { 12, 25, HBIL_ROLE_FROM, "" }, /* filter_3 soft_2 */
-    { 12, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_3 f0 */
-    { 12, 24, HBIL_ROLE_TO, "" }, /* filter_3 soft */
-    { 12, 28, HBIL_ROLE_WRITE, "" }, /* filter_3 ao */
-    { 12, 29, HBIL_ROLE_WRITE, "" }, /* filter_3 uniform_ao */
-    { 12, 30, HBIL_ROLE_WRITE, "" }, /* filter_3 bent */
-    { 12, 32, HBIL_ROLE_WRITE, "" }, /* filter_3 near */
-    { 12, 33, HBIL_ROLE_WRITE, "" }, /* filter_3 sh */
-    { 12, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_3 far */
-    { 13, 10, HBIL_ROLE_SAMPLE, "" }, /* upsample full_depth */
-    { 13, 11, HBIL_ROLE_SAMPLE, "" }, /* upsample full_normal */
-    { 13, 12, HBIL_ROLE_SAMPLE, "" }, /* upsample view_depth */
-    { 13, 13, HBIL_ROLE_SAMPLE, "" }, /* upsample view_normal */
-    { 13, 22, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_NO" }, /* upsample raw */
-    { 13, 23, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_YES" }, /* upsample signal */
-    { 13, 24, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_2" }, /* upsample soft */
-    { 13, 25, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_2" }, /* upsample soft_2 */
-    { 13, 6, HBIL_ROLE_SAMPLE, "" }, /* upsample f0 */
-    { 13, 28, HBIL_ROLE_WRITE, "" }, /* upsample ao */
-    { 13, 29, HBIL_ROLE_WRITE, "" }, /* upsample uniform_ao */
-    { 13, 30, HBIL_ROLE_WRITE, "" }, /* upsample bent */
-    { 13, 32, HBIL_ROLE_WRITE, "" }, /* upsample near */
-    { 13, 33, HBIL_ROLE_WRITE, "" }, /* upsample sh */
-    { 13, 34, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* upsample far */
-    { 14, 12, HBIL_ROLE_SAMPLE, "" }, /* light view_depth */
-    { 14, 13, HBIL_ROLE_SAMPLE, "" }, /* light view_normal */
-    { 14, 10, HBIL_ROLE_SAMPLE, "" }, /* light full_depth */
-    { 14, 11, HBIL_ROLE_SAMPLE, "" }, /* light full_normal */
-    { 14, 28, HBIL_ROLE_SAMPLE, "" }, /* light ao */
-    { 14, 30, HBIL_ROLE_SAMPLE, "" }, /* light bent */
-    { 14, 32, HBIL_ROLE_SAMPLE, "" }, /* light near */
-    { 14, 34, HBIL_ROLE_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
-    { 14, 4, HBIL_ROLE_SAMPLE, "" }, /* light direct */
-    { 14, 5, HBIL_ROLE_SAMPLE, "" }, /* light albedo */
-    { 14, 6, HBIL_ROLE_SAMPLE, "" }, /* light f0 */
-    { 14, 7, HBIL_ROLE_SAMPLE, "" }, /* light roughness */
-    { 14, 8, HBIL_ROLE_SAMPLE, "" }, /* light sky */
-    { 14, 9, HBIL_ROLE_SAMPLE, "" }, /* light probes */
-    { 14, 31, HBIL_ROLE_WRITE, "" }, /* light cone */
-    { 14, 34, HBIL_ROLE_WRITE, "!HBIL_FAR_BITS" }, /* light far */
-    { 14, 35, HBIL_ROLE_WRITE, "" }, /* light irradiance */
-    { 14, 36, HBIL_ROLE_WRITE, "" }, /* light specular_occlusion */
-    { 14, 37, HBIL_ROLE_WRITE, "" }, /* light multi_bounce */
-    { 14, 38, HBIL_ROLE_WRITE, "" }, /* light composite */
-    { 14, 27, HBIL_ROLE_WRITE, "" }, /* light bounce */
+    { 4, 22, HBIL_ROLE_WRITE, "" }, /* push pushed_far */
+    { 5, 22, HBIL_ROLE_UPDATE, "" }, /* push_2 pushed_far */
+    { 6, 12, HBIL_ROLE_SAMPLE, "" }, /* reproject view_depth */
+    { 6, 13, HBIL_ROLE_SAMPLE, "" }, /* reproject view_normal */
+    { 6, 10, HBIL_ROLE_SAMPLE, "" }, /* reproject full_depth */
+    { 6, 2, HBIL_ROLE_SAMPLE, "" }, /* reproject radiance */
+    { 6, 5, HBIL_ROLE_SAMPLE, "" }, /* reproject albedo */
+    { 6, 3, HBIL_ROLE_SAMPLE, "" }, /* reproject motion */
+    { 6, 20, HBIL_ROLE_SAMPLE, "" }, /* reproject claimed */
+    { 6, 21, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed */
+    { 6, 22, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed_far */
+    { 6, 27, HBIL_ROLE_LAST, "" }, /* reproject seen */
+    { 6, 28, HBIL_ROLE_LAST, "" }, /* reproject bounce */
+    { 6, 14, HBIL_ROLE_WRITE, "" }, /* reproject view_radiance */
+    { 6, 27, HBIL_ROLE_WRITE, "" }, /* reproject seen */
+    { 7, 12, HBIL_ROLE_SAMPLE, "" }, /* mips view_depth */
+    { 7, 14, HBIL_ROLE_SAMPLE, "" }, /* mips view_radiance */
+    { 7, 15, HBIL_ROLE_WRITE, "" }, /* mips depth_mips */
+    { 7, 16, HBIL_ROLE_WRITE, "" }, /* mips radiance_mips */
+    { 8, 12, HBIL_ROLE_SAMPLE, "" }, /* sweep view_depth */
+    { 8, 13, HBIL_ROLE_SAMPLE, "" }, /* sweep view_normal */
+    { 8, 14, HBIL_ROLE_SAMPLE, "" }, /* sweep view_radiance */
+    { 8, 17, HBIL_ROLE_UPDATE, "" }, /* sweep swept */
+    { 8, 18, HBIL_ROLE_UPDATE, "" }, /* sweep swept_light */
+    { 9, 12, HBIL_ROLE_SAMPLE, "" }, /* march view_depth */
+    { 9, 13, HBIL_ROLE_SAMPLE, "" }, /* march view_normal */
+    { 9, 2, HBIL_ROLE_SAMPLE, "" }, /* march radiance */
+    { 9, 14, HBIL_ROLE_SAMPLE, "" }, /* march view_radiance */
+    { 9, 15, HBIL_ROLE_SAMPLE, "" }, /* march depth_mips */
+    { 9, 16, HBIL_ROLE_SAMPLE, "" }, /* march radiance_mips */
+    { 9, 17, HBIL_ROLE_SAMPLE, "" }, /* march swept */
+    { 9, 18, HBIL_ROLE_SAMPLE, "" }, /* march swept_light */
+    { 9, 6, HBIL_ROLE_SAMPLE, "" }, /* march f0 */
+    { 9, 8, HBIL_ROLE_SAMPLE, "" }, /* march sky */
+    { 9, 9, HBIL_ROLE_SAMPLE, "" }, /* march probes */
+    { 9, 23, HBIL_ROLE_TO, "" }, /* march raw */
+    { 9, 29, HBIL_ROLE_WRITE, "" }, /* march ao */
+    { 9, 30, HBIL_ROLE_WRITE, "" }, /* march uniform_ao */
+    { 9, 31, HBIL_ROLE_WRITE, "" }, /* march bent */
+    { 9, 33, HBIL_ROLE_WRITE, "" }, /* march near */
+    { 9, 34, HBIL_ROLE_WRITE, "" }, /* march sh */
+    { 9, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* march far */
+    { 10, 12, HBIL_ROLE_SAMPLE, "" }, /* temporal view_depth */
+    { 10, 13, HBIL_ROLE_SAMPLE, "" }, /* temporal view_normal */
+    { 10, 3, HBIL_ROLE_SAMPLE, "" }, /* temporal motion */
+    { 10, 20, HBIL_ROLE_SAMPLE, "" }, /* temporal claimed */
+    { 10, 23, HBIL_ROLE_FROM, "" }, /* temporal raw */
+    { 10, 27, HBIL_ROLE_LAST, "" }, /* temporal seen */
+    { 10, 24, HBIL_ROLE_LAST, "" }, /* temporal signal */
+    { 10, 6, HBIL_ROLE_SAMPLE, "" }, /* temporal f0 */
+    { 10, 27, HBIL_ROLE_WRITE, "" }, /* temporal seen */
+    { 10, 24, HBIL_ROLE_TO, "" }, /* temporal signal */
+    { 10, 29, HBIL_ROLE_WRITE, "" }, /* temporal ao */
+    { 10, 30, HBIL_ROLE_WRITE, "" }, /* temporal uniform_ao */
+    { 10, 31, HBIL_ROLE_WRITE, "" }, /* temporal bent */
+    { 10, 33, HBIL_ROLE_WRITE, "" }, /* temporal near */
+    { 10, 34, HBIL_ROLE_WRITE, "" }, /* temporal sh */
+    { 10, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* temporal far */
+    { 11, 12, HBIL_ROLE_SAMPLE, "" }, /* filter view_depth */
+    { 11, 13, HBIL_ROLE_SAMPLE, "" }, /* filter view_normal */
+    { 11, 27, HBIL_ROLE_SAMPLE, "" }, /* filter seen */
+    { 11, 23, HBIL_ROLE_FROM, "HBIL_TEMPORAL_NO" }, /* filter raw */
+    { 11, 24, HBIL_ROLE_FROM, "HBIL_TEMPORAL_YES" }, /* filter signal */
+    { 11, 6, HBIL_ROLE_SAMPLE, "" }, /* filter f0 */
+    { 11, 25, HBIL_ROLE_TO, "" }, /* filter soft */
+    { 11, 29, HBIL_ROLE_WRITE, "" }, /* filter ao */
+    { 11, 30, HBIL_ROLE_WRITE, "" }, /* filter uniform_ao */
+    { 11, 31, HBIL_ROLE_WRITE, "" }, /* filter bent */
+    { 11, 33, HBIL_ROLE_WRITE, "" }, /* filter near */
+    { 11, 34, HBIL_ROLE_WRITE, "" }, /* filter sh */
+    { 11, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter far */
+    { 12, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_depth */
+    { 12, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_normal */
+    { 12, 27, HBIL_ROLE_SAMPLE, "" }, /* filter_2 seen */
+    { 12, 25, HBIL_ROLE_FROM, "" }, /* filter_2 soft */
+    { 12, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_2 f0 */
+    { 12, 26, HBIL_ROLE_TO, "" }, /* filter_2 soft_2 */
+    { 12, 29, HBIL_ROLE_WRITE, "" }, /* filter_2 ao */
+    { 12, 30, HBIL_ROLE_WRITE, "" }, /* filter_2 uniform_ao */
+    { 12, 31, HBIL_ROLE_WRITE, "" }, /* filter_2 bent */
+    { 12, 33, HBIL_ROLE_WRITE, "" }, /* filter_2 near */
+    { 12, 34, HBIL_ROLE_WRITE, "" }, /* filter_2 sh */
+    { 12, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_2 far */
+    { 13, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_depth */
+    { 13, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_normal */
+    { 13, 27, HBIL_ROLE_SAMPLE, "" }, /* filter_3 seen */
+    { 13, 26, HBIL_ROLE_FROM, "" }, /* filter_3 soft_2 */
+    { 13, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_3 f0 */
+    { 13, 25, HBIL_ROLE_TO, "" }, /* filter_3 soft */
+    { 13, 29, HBIL_ROLE_WRITE, "" }, /* filter_3 ao */
+    { 13, 30, HBIL_ROLE_WRITE, "" }, /* filter_3 uniform_ao */
+    { 13, 31, HBIL_ROLE_WRITE, "" }, /* filter_3 bent */
+    { 13, 33, HBIL_ROLE_WRITE, "" }, /* filter_3 near */
+    { 13, 34, HBIL_ROLE_WRITE, "" }, /* filter_3 sh */
+    { 13, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_3 far */
+    { 14, 10, HBIL_ROLE_SAMPLE, "" }, /* upsample full_depth */
+    { 14, 11, HBIL_ROLE_SAMPLE, "" }, /* upsample full_normal */
+    { 14, 12, HBIL_ROLE_SAMPLE, "" }, /* upsample view_depth */
+    { 14, 13, HBIL_ROLE_SAMPLE, "" }, /* upsample view_normal */
+    { 14, 23, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_NO" }, /* upsample raw */
+    { 14, 24, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_YES" }, /* upsample signal */
+    { 14, 25, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_2" }, /* upsample soft */
+    { 14, 26, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_2" }, /* upsample soft_2 */
+    { 14, 6, HBIL_ROLE_SAMPLE, "" }, /* upsample f0 */
+    { 14, 29, HBIL_ROLE_WRITE, "" }, /* upsample ao */
+    { 14, 30, HBIL_ROLE_WRITE, "" }, /* upsample uniform_ao */
+    { 14, 31, HBIL_ROLE_WRITE, "" }, /* upsample bent */
+    { 14, 33, HBIL_ROLE_WRITE, "" }, /* upsample near */
+    { 14, 34, HBIL_ROLE_WRITE, "" }, /* upsample sh */
+    { 14, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* upsample far */
+    { 15, 12, HBIL_ROLE_SAMPLE, "" }, /* light view_depth */
+    { 15, 13, HBIL_ROLE_SAMPLE, "" }, /* light view_normal */
+    { 15, 10, HBIL_ROLE_SAMPLE, "" }, /* light full_depth */
+    { 15, 11, HBIL_ROLE_SAMPLE, "" }, /* light full_normal */
+    { 15, 29, HBIL_ROLE_SAMPLE, "" }, /* light ao */
+    { 15, 31, HBIL_ROLE_SAMPLE, "" }, /* light bent */
+    { 15, 33, HBIL_ROLE_SAMPLE, "" }, /* light near */
+    { 15, 35, HBIL_ROLE_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
+    { 15, 4, HBIL_ROLE_SAMPLE, "" }, /* light direct */
+    { 15, 5, HBIL_ROLE_SAMPLE, "" }, /* light albedo */
+    { 15, 6, HBIL_ROLE_SAMPLE, "" }, /* light f0 */
+    { 15, 7, HBIL_ROLE_SAMPLE, "" }, /* light roughness */
+    { 15, 8, HBIL_ROLE_SAMPLE, "" }, /* light sky */
+    { 15, 9, HBIL_ROLE_SAMPLE, "" }, /* light probes */
+    { 15, 32, HBIL_ROLE_WRITE, "" }, /* light cone */
+    { 15, 35, HBIL_ROLE_WRITE, "!HBIL_FAR_BITS" }, /* light far */
+    { 15, 36, HBIL_ROLE_WRITE, "" }, /* light irradiance */
+    { 15, 37, HBIL_ROLE_WRITE, "" }, /* light specular_occlusion */
+    { 15, 38, HBIL_ROLE_WRITE, "" }, /* light multi_bounce */
+    { 15, 39, HBIL_ROLE_WRITE, "" }, /* light composite */
+    { 15, 28, HBIL_ROLE_WRITE, "" }, /* light bounce */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -3198,6 +3205,15 @@ static const char hbil__glsl_last_hbil_depth_key[] =
 "    return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_last_hbil_key_depth[] =
+"// And back.\n"
+"float hbil_key_depth(uint key) {\n"
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"    return uintBitsToFloat(key);\n"
+"#else\n"
+"    return uintBitsToFloat((key & 0x80000000u) != 0u ? key ^ 0x80000000u : ~key);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_last_hbil_claim[] =
 "#if HBIL_REPROJECT_SCATTER\n"
 "// The pixel of last frame that fell on p or, in the cracks of a surface that has come nearer, beside it.\n"
@@ -3272,19 +3288,33 @@ static const char hbil__glsl_last_hbil_find[] =
 "    return t;\n"
 "}\n";
 static const char hbil__glsl_last_hbil_pushed_at[] =
-"// Texel q of a level of u_pushed, 1 to 6: level 1 in its corner, the others beside it, one below the other.\n"
+"// Texel q of level 1 or 2 in u_pushed.\n"
 "ivec2 hbil_pushed_at(ivec2 q, int level) {\n"
-"    if (level == 1) return q;\n"
-"    int y = 0;\n"
-"    for (int i = 2; i < level; ++i) y += (HBIL_SIZE.y + (1 << i) - 1) >> i;\n"
-"    return q + ivec2((HBIL_SIZE.x + 1) / 2, y);\n"
+"    return q + ivec2(level == 2 ? (HBIL_SIZE.x + 1) / 2 : 0, 0);\n"
+"}\n";
+static const char hbil__glsl_last_hbil_pushed_far_at[] =
+"// Texel q of level 3 to 6 in u_pushed_far.\n"
+"ivec3 hbil_pushed_far_at(ivec2 q, int level) {\n"
+"    ivec2 size = (HBIL_SIZE + 7) / 8;\n"
+"    return ivec3(q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0), level > 3 ? 1 : 0);\n"
 "}\n";
 static const char hbil__glsl_last_HBIL_PUSHED[] =
-"const int HBIL_PUSHED = 6; // levels of u_pushed, of 2 to 64 pixels\n";
+"const int HBIL_PUSHED = 6; // levels, of 2 to 64 pixels\n";
 static const char hbil__glsl_last_hbil_has_pushed[] =
 "// Is there room for them?\n"
 "bool hbil_has_pushed() {\n"
 "    return min(HBIL_SIZE.x, HBIL_SIZE.y) >= 16;\n"
+"}\n";
+static const char hbil__glsl_last_hbil_push[] =
+"// One texel from the four below it: mean of those that are about as far as the farthest, since holes open onto what is\n"
+"// behind.\n"
+"vec4 hbil_push(vec4 a, vec4 b, vec4 c, vec4 d) {\n"
+"    vec4 z = vec4(a.a, b.a, c.a, d.a);\n"
+"    vec4 there = vec4(notEqual(z, vec4(0.0)));\n"
+"    vec4 known = mix(vec4(-1e30), z, greaterThan(there, vec4(0.0)));\n"
+"    float most = max(max(known.x, known.y), max(known.z, known.w));\n"
+"    vec4 w = there * vec4(greaterThan(known, vec4(most - HBIL_SAME_DEPTH * hbil_depth_scale(most))));\n"
+"    return (w.x * a + w.y * b + w.z * c + w.w * d) / max(dot(w, vec4(1.0)), 1.0);\n"
 "}\n";
 static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "float hbil_load_raw_depth(ivec2 p) {\n"
@@ -3492,28 +3522,19 @@ static const char hbil__glsl_claim_main[] =
 "                imageAtomicMin(u_claimed, q, uint(x) | uint(y) << 16);\n"
 "        }\n"
 "}\n";
-static const char hbil__glsl_push_hbil_tile[] =
-"shared vec4 hbil_tile[64]; // level 3 of the group, and what becomes of it\n";
 static const char hbil__glsl_push_hbil_landed_light[] =
 "// Irradiance and depth of what fell on a pixel; a = 0: nothing did.\n"
 "vec4 hbil_landed_light(ivec2 p) {\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return vec4(0.0);\n"
 "    uint claim = texelFetch(u_claimed, p, 0).r;\n"
 "    if (claim == HBIL_NOWHERE) return vec4(0.0);\n"
-"    ivec2 q = ivec2(claim & 65535u, claim >> 16);\n"
-"    vec3 light = hbil_unpack_radiance(texelFetch(u_last_bounce, q, 0).r);\n"
-"    return vec4(light, hbil_landing(q, hbil_seen_depth(texelFetch(u_last_seen, q, 0).r)).z);\n"
+"    vec3 light = hbil_unpack_radiance(texelFetch(u_last_bounce, ivec2(claim & 65535u, claim >> 16), 0).r);\n"
+"    return vec4(light, hbil_key_depth(texelFetch(u_landed, p, 0).r));\n"
 "}\n";
-static const char hbil__glsl_push_hbil_push[] =
-"// One texel from the four below it: mean of those that are about as far as the farthest, since holes open onto what is\n"
-"// behind.\n"
-"vec4 hbil_push(ivec2 q, int level, vec4 a, vec4 b, vec4 c, vec4 d) {\n"
-"    vec4 z = vec4(a.a, b.a, c.a, d.a);\n"
-"    vec4 there = vec4(notEqual(z, vec4(0.0)));\n"
-"    vec4 known = mix(vec4(-1e30), z, greaterThan(there, vec4(0.0)));\n"
-"    float most = max(max(known.x, known.y), max(known.z, known.w));\n"
-"    vec4 w = there * vec4(greaterThan(known, vec4(most - HBIL_SAME_DEPTH * hbil_depth_scale(most))));\n"
-"    vec4 mean = (w.x * a + w.y * b + w.z * c + w.w * d) / max(dot(w, vec4(1.0)), 1.0);\n"
+static const char hbil__glsl_push_hbil_push_near[] =
+"// Texel q of level 1 or 2 from the four below it.\n"
+"vec4 hbil_push_near(ivec2 q, int level, vec4 a, vec4 b, vec4 c, vec4 d) {\n"
+"    vec4 mean = hbil_push(a, b, c, d);\n"
 "    if (all(lessThan(q << level, HBIL_SIZE))) imageStore(u_pushed, hbil_pushed_at(q, level), mean);\n"
 "    return mean;\n"
 "}\n";
@@ -3523,28 +3544,48 @@ static const char hbil__glsl_push_hbil_push_pair[] =
 "    vec4 m[4];\n"
 "    for (int i = 0; i < 4; ++i) {\n"
 "        ivec2 r = 2 * q + ivec2(i & 1, i >> 1);\n"
-"        m[i] = hbil_push(r, 1, hbil_landed_light(2 * r), hbil_landed_light(2 * r + ivec2(1, 0)),\n"
+"        m[i] = hbil_push_near(r, 1, hbil_landed_light(2 * r), hbil_landed_light(2 * r + ivec2(1, 0)),\n"
 "            hbil_landed_light(2 * r + ivec2(0, 1)), hbil_landed_light(2 * r + 1));\n"
 "    }\n"
-"    return hbil_push(q, 2, m[0], m[1], m[2], m[3]);\n"
+"    return hbil_push_near(q, 2, m[0], m[1], m[2], m[3]);\n"
 "}\n";
 static const char hbil__glsl_push_main[] =
 "void main() {\n"
-"    ivec2 tile = ivec2(gl_WorkGroupID.xy);\n"
-"    if (any(greaterThanEqual(64 * tile, HBIL_SIZE)) || !hbil_has_pushed()) return; // whole groups\n"
-"    ivec2 at = ivec2(gl_LocalInvocationID.xy);\n"
-"    ivec2 q = 8 * tile + at;\n"
-"    int i = at.y * 8 + at.x;\n"
-"    hbil_tile[i] = hbil_push(q, 3, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
+"    ivec2 q = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(8 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;\n"
+"    vec4 mean = hbil_push(hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
 "        hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));\n"
-"    for (int level = 4; level <= HBIL_PUSHED; ++level) {\n"
-"        int stride = 1 << (level - 3);\n"
-"        int half_stride = stride / 2;\n"
-"        barrier();\n"
-"        if (at.x % stride == 0 && at.y % stride == 0)\n"
-"            hbil_tile[i] = hbil_push(q >> (level - 3), level, hbil_tile[i], hbil_tile[i + half_stride],\n"
-"                hbil_tile[i + 8 * half_stride], hbil_tile[i + 9 * half_stride]);\n"
+"    imageStore(u_pushed_far, hbil_pushed_far_at(q, 3), mean);\n"
+"}\n";
+static const char hbil__glsl_push_2_hbil_pushed[] =
+"// What push made of 8 x 8 pixels.\n"
+"vec4 hbil_pushed(ivec2 q) {\n"
+"    return any(greaterThanEqual(8 * q, HBIL_SIZE)) ? vec4(0.0) : imageLoad(u_pushed_far, hbil_pushed_far_at(q, 3));\n"
+"}\n";
+static const char hbil__glsl_push_2_hbil_push_far[] =
+"// Texel q of level 4 to 6 from the four below it.\n"
+"vec4 hbil_push_far(ivec2 q, int level, vec4 a, vec4 b, vec4 c, vec4 d) {\n"
+"    vec4 mean = hbil_push(a, b, c, d);\n"
+"    if (all(lessThan(q << level, HBIL_SIZE))) imageStore(u_pushed_far, hbil_pushed_far_at(q, level), mean);\n"
+"    return mean;\n"
+"}\n";
+static const char hbil__glsl_push_2_hbil_push_pair[] =
+"// Level 5 from 4 x 4 texels of level 3.\n"
+"vec4 hbil_push_pair(ivec2 q) {\n"
+"    vec4 m[4];\n"
+"    for (int i = 0; i < 4; ++i) {\n"
+"        ivec2 r = 2 * q + ivec2(i & 1, i >> 1);\n"
+"        m[i] = hbil_push_far(r, 4, hbil_pushed(2 * r), hbil_pushed(2 * r + ivec2(1, 0)),\n"
+"            hbil_pushed(2 * r + ivec2(0, 1)), hbil_pushed(2 * r + 1));\n"
 "    }\n"
+"    return hbil_push_far(q, 5, m[0], m[1], m[2], m[3]);\n"
+"}\n";
+static const char hbil__glsl_push_2_main[] =
+"void main() {\n"
+"    ivec2 q = ivec2(gl_GlobalInvocationID.xy);\n"
+"    if (any(greaterThanEqual(64 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;\n"
+"    hbil_push_far(q, 6, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
+"        hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));\n"
 "}\n";
 static const char hbil__glsl_reproject_HBIL_GAIN_MAX[] =
 "const float HBIL_GAIN_MAX = 0.95; // of a bounce: albedo * near_intensity. Below 1, so that light dies out\n";
@@ -3560,7 +3601,9 @@ static const char hbil__glsl_reproject_hbil_pull[] =
 "        vec4 sum = vec4(0.0);\n"
 "        for (int i = 0; i < 4; ++i) {\n"
 "            ivec2 o = ivec2(i & 1, i >> 1);\n"
-"            vec4 t = texelFetch(u_pushed, hbil_pushed_at(clamp(first + o, ivec2(0), size - 1), level), 0);\n"
+"            ivec2 q = clamp(first + o, ivec2(0), size - 1);\n"
+"            vec4 t = level < 3 ? texelFetch(u_pushed, hbil_pushed_at(q, level), 0)\n"
+"                : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);\n"
 "            if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;\n"
 "            vec2 w = mix(1.0 - f, f, vec2(o));\n"
 "            sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);\n"
@@ -4529,14 +4572,17 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_pixel_of", "last", hbil__glsl_last_hbil_pixel_of },
     { "hbil_landing", "last", hbil__glsl_last_hbil_landing },
     { "hbil_depth_key", "last", hbil__glsl_last_hbil_depth_key },
+    { "hbil_key_depth", "last", hbil__glsl_last_hbil_key_depth },
     { "hbil_claim", "last", hbil__glsl_last_hbil_claim },
     { "hbil_last_pixel", "last", hbil__glsl_last_hbil_last_pixel },
     { "HBIL_LAST_PLANE", "last", hbil__glsl_last_HBIL_LAST_PLANE },
     { "hbil_taps", "last", hbil__glsl_last_hbil_taps },
     { "hbil_find", "last", hbil__glsl_last_hbil_find },
     { "hbil_pushed_at", "last", hbil__glsl_last_hbil_pushed_at },
+    { "hbil_pushed_far_at", "last", hbil__glsl_last_hbil_pushed_far_at },
     { "HBIL_PUSHED", "last", hbil__glsl_last_HBIL_PUSHED },
     { "hbil_has_pushed", "last", hbil__glsl_last_hbil_has_pushed },
+    { "hbil_push", "last", hbil__glsl_last_hbil_push },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
     { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
@@ -4548,11 +4594,14 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "main", "shrink", hbil__glsl_shrink_main },
     { "main", "scatter", hbil__glsl_scatter_main },
     { "main", "claim", hbil__glsl_claim_main },
-    { "hbil_tile", "push", hbil__glsl_push_hbil_tile },
     { "hbil_landed_light", "push", hbil__glsl_push_hbil_landed_light },
-    { "hbil_push", "push", hbil__glsl_push_hbil_push },
+    { "hbil_push_near", "push", hbil__glsl_push_hbil_push_near },
     { "hbil_push_pair", "push", hbil__glsl_push_hbil_push_pair },
     { "main", "push", hbil__glsl_push_main },
+    { "hbil_pushed", "push_2", hbil__glsl_push_2_hbil_pushed },
+    { "hbil_push_far", "push_2", hbil__glsl_push_2_hbil_push_far },
+    { "hbil_push_pair", "push_2", hbil__glsl_push_2_hbil_push_pair },
+    { "main", "push_2", hbil__glsl_push_2_main },
     { "HBIL_GAIN_MAX", "reproject", hbil__glsl_reproject_HBIL_GAIN_MAX },
     { "hbil_pull", "reproject", hbil__glsl_reproject_hbil_pull },
     { "hbil_last_light", "reproject", hbil__glsl_reproject_hbil_last_light },
@@ -5255,7 +5304,7 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     if (t->format == HBIL_FORMAT_SIGNAL) t->format = c->storage == HBIL_STORAGE_HALF ? HBIL_FORMAT_RGBA16F : HBIL_FORMAT_RGBA32F;
     t->life = hbil__textures[texture].life;
     if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;
-    t->div = hbil__textures[texture].grid ? (uint16_t)c->downscale : 1;
+    t->div = hbil__textures[texture].grid ? (uint16_t)(c->downscale * hbil__textures[texture].grid) : 1;
     t->mips = 1;
     t->copies = t->life == HBIL_LIFE_HISTORY ? 2 : 1;
     t->dim = hbil__textures[texture].dim;

@@ -396,7 +396,7 @@ static void gen_passes(text *t)
             if (strcmp(f->kind, tables[k].kind)) continue;
             if (k == 0) put(t, "    { \"%s\", %s },\n", f->b, f->c);
             if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, %s, %d, \"%s\",\n      \"%s\" },\n", f->a, f->b,
-                            f->c, f->d, isdigit((unsigned char)*f->g) ? f->g : layers_rule(f->g), !strcmp(f->h, "GRID"), f->e, f->f);
+                            f->c, f->d, isdigit((unsigned char)*f->g) ? f->g : layers_rule(f->g), strcmp(f->h, "GRID_8") ? !strcmp(f->h, "GRID") : 8, f->e, f->f);
             if (k == 2) put(t, "    { \"%s\", \"%s\", HBIL_GRID_%s, %d, { %s, %s },\n      \"%s\" },\n", f->a, f->b, f->g,
                             fact_index("TEXTURE", f->c), f->d, f->e, f->f);
             if (k == 3) put(t, "    { %d, %d, HBIL_ROLE_%s, \"%s\" }, /* %s %s */\n", fact_index("PASS", f->a),

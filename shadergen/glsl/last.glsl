@@ -60,6 +60,16 @@ uint hbil_depth_key(float z) {
 #endif
 }
 
+//@ chunk hbil_key_depth
+// And back.
+float hbil_key_depth(uint key) {
+#if HBIL_PROJECTION_PERSPECTIVE
+    return uintBitsToFloat(key);
+#else
+    return uintBitsToFloat((key & 0x80000000u) != 0u ? key ^ 0x80000000u : ~key);
+#endif
+}
+
 //@ chunk hbil_claim
 #if HBIL_REPROJECT_SCATTER
 // The pixel of last frame that fell on p or, in the cracks of a surface that has come nearer, beside it.
@@ -139,19 +149,35 @@ hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {
 }
 
 //@ chunk hbil_pushed_at
-// Texel q of a level of u_pushed, 1 to 6: level 1 in its corner, the others beside it, one below the other.
+// Texel q of level 1 or 2 in u_pushed.
 ivec2 hbil_pushed_at(ivec2 q, int level) {
-    if (level == 1) return q;
-    int y = 0;
-    for (int i = 2; i < level; ++i) y += (HBIL_SIZE.y + (1 << i) - 1) >> i;
-    return q + ivec2((HBIL_SIZE.x + 1) / 2, y);
+    return q + ivec2(level == 2 ? (HBIL_SIZE.x + 1) / 2 : 0, 0);
+}
+
+//@ chunk hbil_pushed_far_at
+// Texel q of level 3 to 6 in u_pushed_far.
+ivec3 hbil_pushed_far_at(ivec2 q, int level) {
+    ivec2 size = (HBIL_SIZE + 7) / 8;
+    return ivec3(q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0), level > 3 ? 1 : 0);
 }
 
 //@ chunk HBIL_PUSHED
-const int HBIL_PUSHED = 6; // levels of u_pushed, of 2 to 64 pixels
+const int HBIL_PUSHED = 6; // levels, of 2 to 64 pixels
 
 //@ chunk hbil_has_pushed
 // Is there room for them?
 bool hbil_has_pushed() {
     return min(HBIL_SIZE.x, HBIL_SIZE.y) >= 16;
+}
+
+//@ chunk hbil_push
+// One texel from the four below it: mean of those that are about as far as the farthest, since holes open onto what is
+// behind.
+vec4 hbil_push(vec4 a, vec4 b, vec4 c, vec4 d) {
+    vec4 z = vec4(a.a, b.a, c.a, d.a);
+    vec4 there = vec4(notEqual(z, vec4(0.0)));
+    vec4 known = mix(vec4(-1e30), z, greaterThan(there, vec4(0.0)));
+    float most = max(max(known.x, known.y), max(known.z, known.w));
+    vec4 w = there * vec4(greaterThan(known, vec4(most - HBIL_SAME_DEPTH * hbil_depth_scale(most))));
+    return (w.x * a + w.y * b + w.z * c + w.w * d) / max(dot(w, vec4(1.0)), 1.0);
 }

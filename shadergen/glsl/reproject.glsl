@@ -16,7 +16,9 @@ vec3 hbil_pull(ivec2 p, float z) {
         vec4 sum = vec4(0.0);
         for (int i = 0; i < 4; ++i) {
             ivec2 o = ivec2(i & 1, i >> 1);
-            vec4 t = texelFetch(u_pushed, hbil_pushed_at(clamp(first + o, ivec2(0), size - 1), level), 0);
+            ivec2 q = clamp(first + o, ivec2(0), size - 1);
+            vec4 t = level < 3 ? texelFetch(u_pushed, hbil_pushed_at(q, level), 0)
+                : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);
             if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;
             vec2 w = mix(1.0 - f, f, vec2(o));
             sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);

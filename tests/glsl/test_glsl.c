@@ -451,7 +451,7 @@ static const absence absences[] = {
     { "outputs=ao temporal=yes reproject=scatter", "outputs=ao temporal=yes", "landed claimed", "HBIL_VIEW_FROM_LAST", FETCHES },
     { "outputs=near bounces=recursive", "outputs=near gather=packed", "albedo seen last_seen bounce last_bounce",
       "HBIL_LAST_FROM_VIEW HBIL_LAST_TO_RAY HBIL_LAST_SIZE HBIL_RESET", FETCHES },
-    { "outputs=near bounces=recursive reproject=scatter", "outputs=near bounces=recursive", "landed claimed pushed",
+    { "outputs=near bounces=recursive reproject=scatter", "outputs=near bounces=recursive", "landed claimed pushed pushed_far",
       "HBIL_VIEW_FROM_LAST", FETCHES },
     { "outputs=near bounces=recursive temporal=yes", "outputs=near bounces=recursive", "to from last_signal", "", FETCHES },
     { "outputs=ao downscale=2", "outputs=ao", "to from full_depth full_normal", "HBIL_FULL_SIZE", FETCHES },
