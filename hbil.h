@@ -125,7 +125,7 @@
  *                 alike. With one slice the sums are filtered and divided afterwards. With temporal=yes it narrows as frames add up.
  *   temporal      running mean over at most `history` frames, per pixel and surface. rectify holds it to what this frame's 3x3
  *                 pixels could have made. A pixel whose surface was not seen begins anew. Noise advances with frame.index: hilbert_r2
- *                 does not repeat in 2^32 frames, ign after 61, which no jitter of 8, 16 or 32 divides.
+ *                 repeats after 2^27 frames, ign after 61, which no jitter of 8, 16 or 32 divides.
  *   bounces       recursive: the march's radiance is u_radiance + albedo * last frame's near and far light. albedo * near_intensity counts
  *                 as .95 at most: light dies out. Give facing=half_space or filter with it: light of surfaces that face away adds up.
  *   reproject     camera: where both cameras say; nothing else may move. gather: where u_motion says. scatter: last frame's pixels are
@@ -158,7 +158,7 @@
  *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
  *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
  *                       reproject=scatter: imageAtomicMin on r32ui images
- *   storage images      up to 6 in a pass (all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
+ *   storage images      up to 8 in a pass (temporal=yes with all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
  *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
  *   real GPU            untested                 untested
  */
@@ -2927,17 +2927,23 @@ static const char hbil__glsl_grid_hbil_quad_weights[] =
 "}\n"
 "#endif\n";
 static const char hbil__glsl_grid_hbil_grid_radiance[] =
-"// Radiance of a pixel of the grid.\n"
-"vec3 hbil_grid_radiance(ivec2 p, float z) {\n"
+"// Radiance of a pixel of the grid. w: hbil_quad_weights\n"
 "#if HBIL_COARSE\n"
-"    vec4 w = hbil_quad_weights(p, z);\n"
+"vec3 hbil_grid_radiance(ivec2 p, vec4 w) {\n"
 "    vec3 sum = vec3(0.0);\n"
 "    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_radiance(hbil_quad(p, i));\n"
 "    return sum;\n"
-"#else\n"
-"    return hbil_load_radiance(p);\n"
-"#endif\n"
-"}\n";
+"}\n"
+"#endif\n";
+static const char hbil__glsl_grid_hbil_grid_albedo[] =
+"// The same of albedo.\n"
+"#if HBIL_COARSE\n"
+"vec3 hbil_grid_albedo(ivec2 p, vec4 w) {\n"
+"    vec3 sum = vec3(0.0);\n"
+"    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));\n"
+"    return sum;\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_signal_HBIL_LAYERS[] =
 "const int HBIL_LAYERS = 0 // of a signal, each a vec4\n"
 "#if HBIL_LIGHT_LAYER\n"
@@ -3128,12 +3134,14 @@ static const char hbil__glsl_signal_hbil_filter_share[] =
 "#endif\n";
 static const char hbil__glsl_signal_hbil_filter[] =
 "// Mean of a signal over the neighbours of a pixel, `gap` pixels apart, that lie on the same surface. What few slices\n"
-"// per pixel get wrong differs from pixel to pixel, and cancels.\n"
+"// per pixel get wrong differs from pixel to pixel, and cancels. False: there is no surface.\n"
 "#if HBIL_ARITHMETIC_HALF\n"
-"void hbil_filter(ivec2 p, float z, int gap, out mediump vec4 s[HBIL_LAYERS]) {\n"
+"bool hbil_filter(ivec2 p, int gap, out mediump vec4 s[HBIL_LAYERS]) {\n"
 "#else\n"
-"void hbil_filter(ivec2 p, float z, int gap, out vec4 s[HBIL_LAYERS]) {\n"
+"bool hbil_filter(ivec2 p, int gap, out vec4 s[HBIL_LAYERS]) {\n"
 "#endif\n"
+"    float z = hbil_load_depth(p);\n"
+"    if (z >= HBIL_SKY) return false;\n"
 "    hbil_surface here = hbil_surface_at(vec2(p) + 0.5, z, texelFetch(u_view_normal, p, 0).r);\n"
 "    float all = 1.0;\n"
 "#if HBIL_TEMPORAL_YES\n"
@@ -3152,6 +3160,7 @@ static const char hbil__glsl_signal_hbil_filter[] =
 "            all += w;\n"
 "            hbil_blend(q, w / all, s);\n"
 "        }\n"
+"    return true;\n"
 "}\n";
 static const char hbil__glsl_last_HBIL_NOWHERE[] =
 "const uint HBIL_NOWHERE = 0xffffffffu; // no surface of last frame falls here\n";
@@ -3194,6 +3203,16 @@ static const char hbil__glsl_last_hbil_landing[] =
 "vec3 hbil_landing(ivec2 q, float z) {\n"
 "    vec3 here = hbil_move(HBIL_VIEW_FROM_LAST, hbil_last_position(vec2(q) + 0.5, z));\n"
 "    return vec3(hbil_pixel_of(here, HBIL_PIXEL_TO_RAY), here.z);\n"
+"}\n";
+static const char hbil__glsl_last_hbil_land[] =
+"// The pixel of this frame on which a pixel q of last frame falls, and its depth there. False: on none.\n"
+"bool hbil_land(ivec2 q, out ivec2 p, out float z) {\n"
+"    float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);\n"
+"    if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too\n"
+"    vec3 landing = hbil_landing(q, before);\n"
+"    p = ivec2(floor(landing.xy));\n"
+"    z = landing.z;\n"
+"    return all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, HBIL_SIZE));\n"
 "}\n";
 static const char hbil__glsl_last_hbil_depth_key[] =
 "// Order of view depths as whole numbers.\n"
@@ -3485,7 +3504,7 @@ static const char hbil__glsl_shrink_main[] =
 "    imageStore(u_view_depth, p, vec4(depth));\n"
 "    imageStore(u_view_normal, p, uvec4(code));\n"
 "#if HBIL_GATHER && !HBIL_BOUNCES_RECURSIVE\n"
-"    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_grid_radiance(p, depth))));\n"
+"    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_grid_radiance(p, hbil_quad_weights(p, depth)))));\n"
 "#endif\n"
 "#if HBIL_REPROJECT_SCATTER\n"
 "    imageStore(u_landed, p, uvec4(HBIL_NOWHERE));\n"
@@ -3497,30 +3516,22 @@ static const char hbil__glsl_scatter_main[] =
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
 "    if (HBIL_RESET != 0) return;\n"
+"    ivec2 to;\n"
+"    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger\n"
-"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x) {\n"
-"            float z = hbil_seen_depth(texelFetch(u_last_seen, ivec2(x, y), 0).r);\n"
-"            if (!(z < 0.5 * HBIL_SKY)) continue; // NaN too\n"
-"            vec3 landing = hbil_landing(ivec2(x, y), z);\n"
-"            ivec2 q = ivec2(floor(landing.xy));\n"
-"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
-"            imageAtomicMin(u_landed, q, hbil_depth_key(landing.z));\n"
-"        }\n"
+"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x)\n"
+"            if (hbil_land(ivec2(x, y), to, z)) imageAtomicMin(u_landed, to, hbil_depth_key(z));\n"
 "}\n";
 static const char hbil__glsl_claim_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;\n"
+"    ivec2 to;\n"
+"    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y)\n"
-"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x) {\n"
-"            float z = hbil_seen_depth(texelFetch(u_last_seen, ivec2(x, y), 0).r);\n"
-"            if (!(z < 0.5 * HBIL_SKY)) continue; // NaN too\n"
-"            vec3 landing = hbil_landing(ivec2(x, y), z);\n"
-"            ivec2 q = ivec2(floor(landing.xy));\n"
-"            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) continue;\n"
-"            if (texelFetch(u_landed, q, 0).r == hbil_depth_key(landing.z))\n"
-"                imageAtomicMin(u_claimed, q, uint(x) | uint(y) << 16);\n"
-"        }\n"
+"        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x)\n"
+"            if (hbil_land(ivec2(x, y), to, z) && texelFetch(u_landed, to, 0).r == hbil_depth_key(z))\n"
+"                imageAtomicMin(u_claimed, to, uint(x) | uint(y) << 16);\n"
 "}\n";
 static const char hbil__glsl_push_hbil_landed_light[] =
 "// Irradiance and depth of what fell on a pixel; a = 0: nothing did.\n"
@@ -3628,17 +3639,6 @@ static const char hbil__glsl_reproject_hbil_last_light[] =
 "#endif\n"
 "    return vec3(0.0);\n"
 "}\n";
-static const char hbil__glsl_reproject_hbil_grid_albedo[] =
-"vec3 hbil_grid_albedo(ivec2 p, float z) {\n"
-"#if HBIL_COARSE\n"
-"    vec4 w = hbil_quad_weights(p, z);\n"
-"    vec3 sum = vec3(0.0);\n"
-"    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));\n"
-"    return sum;\n"
-"#else\n"
-"    return hbil_load_albedo(p);\n"
-"#endif\n"
-"}\n";
 static const char hbil__glsl_reproject_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
@@ -3646,8 +3646,16 @@ static const char hbil__glsl_reproject_main[] =
 "    float z = hbil_load_depth(p);\n"
 "    vec3 radiance = vec3(0.0);\n"
 "    if (z < HBIL_SKY) {\n"
-"        vec3 gain = min(hbil_grid_albedo(p, z), vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));\n"
-"        radiance = hbil_finite(hbil_grid_radiance(p, z) + gain * hbil_last_light(p, z));\n"
+"#if HBIL_COARSE\n"
+"        vec4 w = hbil_quad_weights(p, z);\n"
+"        radiance = hbil_grid_radiance(p, w);\n"
+"        vec3 albedo = hbil_grid_albedo(p, w);\n"
+"#else\n"
+"        radiance = hbil_load_radiance(p);\n"
+"        vec3 albedo = hbil_load_albedo(p);\n"
+"#endif\n"
+"        vec3 gain = min(albedo, vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));\n"
+"        radiance = hbil_finite(radiance + gain * hbil_last_light(p, z));\n"
 "    }\n"
 "    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(radiance)));\n"
 "#if !HBIL_TEMPORAL_YES\n"
@@ -4141,7 +4149,10 @@ static const char hbil__glsl_temporal_main[] =
 "            if (t.weights[k] > 0.0)\n"
 "                past += t.weights[k] * hbil_last_signal(t.first + ivec2(k & 1, k >> 1), i);\n"
 "        past /= t.all;\n"
-"        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) continue; // NaN too\n"
+"        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) { // NaN too\n"
+"            frames = 1.0;\n"
+"            continue;\n"
+"        }\n"
 "#if !HBIL_RECTIFY_NONE\n"
 "        past = hbil_rectify(p, i, past);\n"
 "#endif\n"
@@ -4157,69 +4168,51 @@ static const char hbil__glsl_filter_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    float z = hbil_load_depth(p);\n"
-"    if (z >= HBIL_SKY) {\n"
-"#if HBIL_FILTER_PASSES_1 && !HBIL_COARSE\n"
-"        hbil_finish_sky(p);\n"
-"#endif\n"
-"        return;\n"
-"    }\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
 "#else\n"
 "    vec4 s[HBIL_LAYERS];\n"
 "#endif\n"
-"    hbil_filter(p, z, 1, s);\n"
+"    bool surface = hbil_filter(p, 1, s);\n"
 "#if HBIL_FILTER_PASSES_1 && !HBIL_COARSE\n"
-"    hbil_finish(p, s);\n"
+"    if (surface) hbil_finish(p, s);\n"
+"    else hbil_finish_sky(p);\n"
 "#else\n"
-"    hbil_pass_on(p, s);\n"
+"    if (surface) hbil_pass_on(p, s);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_filter_2_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    float z = hbil_load_depth(p);\n"
-"    if (z >= HBIL_SKY) {\n"
-"#if HBIL_FILTER_PASSES_2 && !HBIL_COARSE\n"
-"        hbil_finish_sky(p);\n"
-"#endif\n"
-"        return;\n"
-"    }\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
 "#else\n"
 "    vec4 s[HBIL_LAYERS];\n"
 "#endif\n"
-"    hbil_filter(p, z, 2, s);\n"
+"    bool surface = hbil_filter(p, 2, s);\n"
 "#if HBIL_FILTER_PASSES_2 && !HBIL_COARSE\n"
-"    hbil_finish(p, s);\n"
+"    if (surface) hbil_finish(p, s);\n"
+"    else hbil_finish_sky(p);\n"
 "#else\n"
-"    hbil_pass_on(p, s);\n"
+"    if (surface) hbil_pass_on(p, s);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_filter_3_main[] =
 "void main() {\n"
 "    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    float z = hbil_load_depth(p);\n"
-"    if (z >= HBIL_SKY) {\n"
-"#if !HBIL_COARSE\n"
-"        hbil_finish_sky(p);\n"
-"#endif\n"
-"        return;\n"
-"    }\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
 "#else\n"
 "    vec4 s[HBIL_LAYERS];\n"
 "#endif\n"
-"    hbil_filter(p, z, 4, s);\n"
+"    bool surface = hbil_filter(p, 4, s);\n"
 "#if !HBIL_COARSE\n"
-"    hbil_finish(p, s);\n"
+"    if (surface) hbil_finish(p, s);\n"
+"    else hbil_finish_sky(p);\n"
 "#else\n"
-"    hbil_pass_on(p, s);\n"
+"    if (surface) hbil_pass_on(p, s);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_upsample_main[] =
@@ -4547,6 +4540,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_depth_scale", "grid", hbil__glsl_grid_hbil_depth_scale },
     { "hbil_quad_weights", "grid", hbil__glsl_grid_hbil_quad_weights },
     { "hbil_grid_radiance", "grid", hbil__glsl_grid_hbil_grid_radiance },
+    { "hbil_grid_albedo", "grid", hbil__glsl_grid_hbil_grid_albedo },
     { "HBIL_LAYERS", "signal", hbil__glsl_signal_HBIL_LAYERS },
     { "HBIL_AT_BENT", "signal", hbil__glsl_signal_HBIL_AT_BENT },
     { "HBIL_AT_FAR", "signal", hbil__glsl_signal_HBIL_AT_FAR },
@@ -4571,6 +4565,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_last_position", "last", hbil__glsl_last_hbil_last_position },
     { "hbil_pixel_of", "last", hbil__glsl_last_hbil_pixel_of },
     { "hbil_landing", "last", hbil__glsl_last_hbil_landing },
+    { "hbil_land", "last", hbil__glsl_last_hbil_land },
     { "hbil_depth_key", "last", hbil__glsl_last_hbil_depth_key },
     { "hbil_key_depth", "last", hbil__glsl_last_hbil_key_depth },
     { "hbil_claim", "last", hbil__glsl_last_hbil_claim },
@@ -4605,7 +4600,6 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_GAIN_MAX", "reproject", hbil__glsl_reproject_HBIL_GAIN_MAX },
     { "hbil_pull", "reproject", hbil__glsl_reproject_hbil_pull },
     { "hbil_last_light", "reproject", hbil__glsl_reproject_hbil_last_light },
-    { "hbil_grid_albedo", "reproject", hbil__glsl_reproject_hbil_grid_albedo },
     { "main", "reproject", hbil__glsl_reproject_main },
     { "hbil_tile", "mips", hbil__glsl_mips_hbil_tile },
     { "hbil_tile_light", "mips", hbil__glsl_mips_hbil_tile_light },

@@ -14,12 +14,12 @@
  *   [x] Puts back all GL state that it touches (list below); tests/gpu/test_gl_state.c sets each item and compares
  *   [x] Milliseconds per pass, also on software rasterisers
  *   [x] Labels on programs and textures, for RenderDoc and debug output
+ *   [x] The first frame after a resize begins without history
+ *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
  *   [ ] OpenGL ES
  *   [ ] Contexts older than 4.3 with ARB_compute_shader and friends
  *   [ ] Mip chains: no plan has them yet
  *   [ ] Transient textures that share memory
- *   [x] The first frame after a resize begins without history
- *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
  *   [ ] Program binaries: cache them around this file, or let the driver do it
  *
  * Who owns what

@@ -304,6 +304,9 @@ static int name_files(session *s, int number)
             return frame_error(s->error, sizeof s->error, "%.40s...: path of more than %d bytes. Choose a shorter one",
                                paths[i].pattern, PATH_BYTES);
     }
+    if (a->out && a->report && strcmp(s->files.out, a->report) == 0)
+        return frame_error(s->error, sizeof s->error, "--out and --report name the same file %s in frame %d. Rename one", a->report,
+                           number);
     if (a->png && snprintf(s->files.png, PATH_BYTES, a->sequence ? "%s/%03d" : "%s", a->png, number) >= PATH_BYTES)
         return frame_error(s->error, sizeof s->error, "%.40s...: path of more than %d bytes. Choose a shorter one", a->png,
                            PATH_BYTES);
@@ -627,7 +630,7 @@ static int run_plan(session *s)
     for (p = 0; p < HBIL_MAX_TEXTURES; p++) image_free(&textures[p]);
     free(ms);
     if (ok && s->args.validate && runner_messages(s->runner) > 0)
-        ok = frame_error(s->error, sizeof s->error, "--validate: %d messages, printed above. Nothing was written",
+        ok = frame_error(s->error, sizeof s->error, "--validate: %d messages, printed above. Nothing of this frame was written",
                          runner_messages(s->runner));
     return ok ? DONE : fail(s, BACKEND);
 }
@@ -961,16 +964,16 @@ static void print_frame(const session *s)
     fflush(stdout);
 }
 
-/* Are the files of all frames there? Asked before the first one is lit. */
+/* Are the files of all frames there, and their names fit for use? Asked before the first one is lit. */
 static int check_frames(session *s)
 {
     int n, k;
 
-    for (n = s->args.first; s->args.frame && n <= s->args.last; n++) {
+    for (n = s->args.first; n <= s->args.last; n++) {
         const char *const paths[2] = {s->files.frame, s->files.camera};
 
         if (!name_files(s, n)) return fail(s, FILES);
-        for (k = 0; k < 2; k++) {
+        for (k = 0; s->args.frame && k < 2; k++) {
             if (access(paths[k], R_OK) == 0) continue;
             frame_error(s->error, sizeof s->error, "%s: is missing or cannot be read. Write it, or change --frames %d:%d", paths[k],
                         s->args.first, s->args.last);

@@ -67,14 +67,21 @@ vec4 hbil_quad_weights(ivec2 p, float z) {
 #endif
 
 //@ chunk hbil_grid_radiance
-// Radiance of a pixel of the grid.
-vec3 hbil_grid_radiance(ivec2 p, float z) {
+// Radiance of a pixel of the grid. w: hbil_quad_weights
 #if HBIL_COARSE
-    vec4 w = hbil_quad_weights(p, z);
+vec3 hbil_grid_radiance(ivec2 p, vec4 w) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_radiance(hbil_quad(p, i));
     return sum;
-#else
-    return hbil_load_radiance(p);
-#endif
 }
+#endif
+
+//@ chunk hbil_grid_albedo
+// The same of albedo.
+#if HBIL_COARSE
+vec3 hbil_grid_albedo(ivec2 p, vec4 w) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));
+    return sum;
+}
+#endif

@@ -49,6 +49,17 @@ vec3 hbil_landing(ivec2 q, float z) {
     return vec3(hbil_pixel_of(here, HBIL_PIXEL_TO_RAY), here.z);
 }
 
+//@ chunk hbil_land
+// The pixel of this frame on which a pixel q of last frame falls, and its depth there. False: on none.
+bool hbil_land(ivec2 q, out ivec2 p, out float z) {
+    float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);
+    if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too
+    vec3 landing = hbil_landing(q, before);
+    p = ivec2(floor(landing.xy));
+    z = landing.z;
+    return all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, HBIL_SIZE));
+}
+
 //@ chunk hbil_depth_key
 // Order of view depths as whole numbers.
 uint hbil_depth_key(float z) {

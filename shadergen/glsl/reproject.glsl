@@ -45,18 +45,6 @@ vec3 hbil_last_light(ivec2 p, float z) {
     return vec3(0.0);
 }
 
-//@ chunk hbil_grid_albedo
-vec3 hbil_grid_albedo(ivec2 p, float z) {
-#if HBIL_COARSE
-    vec4 w = hbil_quad_weights(p, z);
-    vec3 sum = vec3(0.0);
-    for (int i = 0; i < 4; ++i) sum += w[i] * hbil_load_albedo(hbil_quad(p, i));
-    return sum;
-#else
-    return hbil_load_albedo(p);
-#endif
-}
-
 //@ chunk main
 void main() {
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
@@ -64,8 +52,16 @@ void main() {
     float z = hbil_load_depth(p);
     vec3 radiance = vec3(0.0);
     if (z < HBIL_SKY) {
-        vec3 gain = min(hbil_grid_albedo(p, z), vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));
-        radiance = hbil_finite(hbil_grid_radiance(p, z) + gain * hbil_last_light(p, z));
+#if HBIL_COARSE
+        vec4 w = hbil_quad_weights(p, z);
+        radiance = hbil_grid_radiance(p, w);
+        vec3 albedo = hbil_grid_albedo(p, w);
+#else
+        radiance = hbil_load_radiance(p);
+        vec3 albedo = hbil_load_albedo(p);
+#endif
+        vec3 gain = min(albedo, vec3(HBIL_GAIN_MAX / HBIL_NEAR_INTENSITY));
+        radiance = hbil_finite(radiance + gain * hbil_last_light(p, z));
     }
     imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(radiance)));
 #if !HBIL_TEMPORAL_YES

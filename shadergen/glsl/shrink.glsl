@@ -33,7 +33,7 @@ void main() {
     imageStore(u_view_depth, p, vec4(depth));
     imageStore(u_view_normal, p, uvec4(code));
 #if HBIL_GATHER && !HBIL_BOUNCES_RECURSIVE
-    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_grid_radiance(p, depth))));
+    imageStore(u_view_radiance, p, uvec4(hbil_pack_radiance(hbil_grid_radiance(p, hbil_quad_weights(p, depth)))));
 #endif
 #if HBIL_REPROJECT_SCATTER
     imageStore(u_landed, p, uvec4(HBIL_NOWHERE));

@@ -206,12 +206,14 @@ float hbil_filter_share(ivec2 p) {
 
 //@ chunk hbil_filter
 // Mean of a signal over the neighbours of a pixel, `gap` pixels apart, that lie on the same surface. What few slices
-// per pixel get wrong differs from pixel to pixel, and cancels.
+// per pixel get wrong differs from pixel to pixel, and cancels. False: there is no surface.
 #if HBIL_ARITHMETIC_HALF
-void hbil_filter(ivec2 p, float z, int gap, out mediump vec4 s[HBIL_LAYERS]) {
+bool hbil_filter(ivec2 p, int gap, out mediump vec4 s[HBIL_LAYERS]) {
 #else
-void hbil_filter(ivec2 p, float z, int gap, out vec4 s[HBIL_LAYERS]) {
+bool hbil_filter(ivec2 p, int gap, out vec4 s[HBIL_LAYERS]) {
 #endif
+    float z = hbil_load_depth(p);
+    if (z >= HBIL_SKY) return false;
     hbil_surface here = hbil_surface_at(vec2(p) + 0.5, z, texelFetch(u_view_normal, p, 0).r);
     float all = 1.0;
 #if HBIL_TEMPORAL_YES
@@ -230,4 +232,5 @@ void hbil_filter(ivec2 p, float z, int gap, out vec4 s[HBIL_LAYERS]) {
             all += w;
             hbil_blend(q, w / all, s);
         }
+    return true;
 }

@@ -78,7 +78,10 @@ void main() {
             if (t.weights[k] > 0.0)
                 past += t.weights[k] * hbil_last_signal(t.first + ivec2(k & 1, k >> 1), i);
         past /= t.all;
-        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) continue; // NaN too
+        if (!all(lessThan(abs(past), vec4(HBIL_SANE)))) { // NaN too
+            frames = 1.0;
+            continue;
+        }
 #if !HBIL_RECTIFY_NONE
         past = hbil_rectify(p, i, past);
 #endif

@@ -99,6 +99,23 @@ hbil_frame gpu_frame(const bf_camera *camera)
     return f;
 }
 
+gpu_input gpu_input_of(const capture *cap)
+{
+    gpu_input in;
+    memset(&in, 0, sizeof in);
+    in.frame.width = (uint32_t)cap->width;
+    in.frame.height = (uint32_t)cap->height;
+    memcpy(in.frame.projection, cap->projection, sizeof in.frame.projection);
+    memcpy(in.frame.view, cap->view, sizeof in.frame.view);
+    capture_follow(&in.frame, cap);
+    in.depth = cap->depth;
+    in.normal = cap->normal;
+    in.radiance = cap->direct;
+    in.albedo = cap->albedo;
+    in.motion = cap->motion;
+    return in;
+}
+
 void gpu_plan(const hbil_config *config, hbil_plan *plan)
 {
     hbil_diag   items[8];

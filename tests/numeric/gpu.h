@@ -3,7 +3,7 @@
 #define HBIL_TESTS_GPU_H
 
 #include "../../hbil.h"
-#include "../../examples/frame/image.h"
+#include "../../examples/frame/capture.h"
 #include "brute_force.h"
 
 /* What a renderer would hand over. The images are borrowed. */
@@ -28,6 +28,8 @@ double gpu_clock(void);
 void gpu_projection(const bf_camera *camera, float out[16]);
 /* Identity view, zero index. */
 hbil_frame gpu_frame(const bf_camera *camera);
+/* A capture as a renderer would hand it over, behind a frame of the same camera. Its images are borrowed. */
+gpu_input gpu_input_of(const capture *cap);
 /* The plan that gpu_run makes of a config. */
 void gpu_plan(const hbil_config *config, hbil_plan *plan);
 /* Run. Dynamic options take the values that config has, so that configs which differ in them share one compiled variant. */

@@ -29,26 +29,6 @@ static hbil_config config_of(const char *base, const char *more)
     return c;
 }
 
-/* A frame that follows one of the same camera. */
-static gpu_input input_of(const capture *cap)
-{
-    gpu_input in;
-    memset(&in, 0, sizeof in);
-    in.frame.width = (uint32_t)cap->width;
-    in.frame.height = (uint32_t)cap->height;
-    memcpy(in.frame.projection, cap->projection, sizeof in.frame.projection);
-    memcpy(in.frame.view, cap->view, sizeof in.frame.view);
-    memcpy(in.frame.last_projection, cap->projection, sizeof in.frame.projection);
-    memcpy(in.frame.last_view, cap->view, sizeof in.frame.view);
-    in.depth = cap->depth;
-    in.normal = cap->normal;
-    in.radiance = cap->direct;
-    in.albedo = cap->albedo;
-    in.motion = cap->motion;
-
-    return in;
-}
-
 /* The last of `frames` frames of a still camera, of which the first has the given index. */
 static void run_still(const hbil_config *config, const gpu_input *scene, uint32_t first, int frames, gpu_output *out)
 {
@@ -124,7 +104,7 @@ static void field_add(field *f, const gpu_output *o, double share, int square)
 static void mean_of_frames(const capture *cap, int count, field *out)
 {
     const hbil_config raw = config_of(k_noisy, "");
-    gpu_input         in = input_of(cap);
+    gpu_input         in = gpu_input_of(cap);
     field_make(out, cap);
     for (int f = 0; f < count; ++f) {
         gpu_output o;
@@ -183,7 +163,7 @@ static noise noise_of(const capture *cap, const gpu_output *o, const field *trut
 static noise run_noise(const capture *cap, const char *more, int frames, const field *truth)
 {
     const hbil_config config = config_of(k_noisy, more);
-    const gpu_input   in = input_of(cap);
+    const gpu_input   in = gpu_input_of(cap);
     gpu_output        o;
     run_still(&config, &in, 0, frames, &o);
     const noise n = noise_of(cap, &o, truth);
@@ -195,7 +175,7 @@ static int check_noise(const char *name, const capture *cap)
 {
     static const struct { const char *config; int frames; double least; } rows[] = {
         {"filter=5x5", 1, 3.0}, {"temporal=yes", 12, 3.0}, {"temporal=yes filter=5x5", 12, 6.0},
-        {"filter=3x3 filter_passes=2", 1, 2.5}, {"temporal=yes rectify=range", 12, 3.0},
+        {"filter=3x3 filter_passes=2", 1, 3.0}, {"temporal=yes rectify=range", 12, 3.0},
         {"temporal=yes filter=5x5 storage=half", 12, 6.0}};
     field truth;
     int   good = 1;
@@ -227,7 +207,7 @@ static int check_one_slice(const char *name, const capture *cap)
     const hbil_config one = config_of("outputs=ao+near slices=1 steps=8", "filter=5x5 filter_passes=2");
     const hbil_config many = config_of("outputs=ao+near slices=16 steps=8", "");
     const hbil_config biased = config_of("outputs=ao+near slices=1 steps=8", "");
-    const gpu_input   in = input_of(cap);
+    const gpu_input   in = gpu_input_of(cap);
     double            mean[3] = {0.0, 0.0, 0.0};
     gpu_output        o[3];
     int               count = 0;
@@ -256,46 +236,13 @@ static void one_slice_is_divided_after_the_filter(void **state)
     for_all(check_one_slice);
 }
 
-/* --- the noise's period ------------------------------------------------------------------------------------------ */
-
-static int same(const image *a, const image *b)
-{
-    assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
-    return memcmp(a->data, b->data, (size_t)(a->width * a->height * a->channels) * sizeof *a->data) == 0;
-}
-
-static void make_room(gpu_input *in, int size, double tangent, float emission, float albedo);
-static void free_room(gpu_input *in);
-
-/* Jitters of 8, 16, 32 and 64 frames meet other noise in each round. */
-static void noise_has_not_the_period_of_a_jitter(void **state)
-{
-    static const char *const noises[] = {"noise=hilbert_r2", "noise=ign", "noise=ign interleave=yes", "march=sweep"};
-    static const int         periods[] = {8, 16, 32, 64, 61};
-    (void)state;
-    for (int i = 0; i < 4; ++i) {
-        const hbil_config c = config_of("outputs=ao+near slices=2 steps=3", noises[i]);
-        gpu_input         in;
-        gpu_output        first, later;
-        make_room(&in, 32, 2.0, 1.0f, 0.5f);
-        run_still(&c, &in, 5, 1, &first);
-        for (int k = 0; k < 5; ++k) {
-            run_still(&c, &in, 5u + (uint32_t)periods[k], 1, &later);
-            assert_int_equal(same(&first.ao, &later.ao), periods[k] == 61 && strstr(noises[i], "ign") != NULL);
-            gpu_free(&later);
-        }
-        gpu_free(&first);
-        free_room(&in);
-    }
-}
-
 /* --- flicker ----------------------------------------------------------------------------------------------------- */
 
 static int check_flicker(const char *name, const capture *cap)
 {
     enum { FIRST = 16, COUNT = 16 };
     const hbil_config config = config_of(k_noisy, "temporal=yes history=32 filter=5x5 filter_passes=3");
-    gpu_input         in = input_of(cap);
+    gpu_input         in = gpu_input_of(cap);
     field             mean, square;
     double            ao = 0.0, near = 0.0, light = 0.0;
     int               count = 0;
@@ -422,6 +369,36 @@ static void light_stays_bounded(void **state)
     assert_true(mean > 30.0 && most < 40.01);
 }
 
+/* --- the noise's period ------------------------------------------------------------------------------------------ */
+
+static int same(const image *a, const image *b)
+{
+    assert_true(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    return memcmp(a->data, b->data, (size_t)(a->width * a->height * a->channels) * sizeof *a->data) == 0;
+}
+
+/* Jitters of 8, 16, 32 and 64 frames meet other noise in each round. */
+static void noise_has_not_the_period_of_a_jitter(void **state)
+{
+    static const char *const noises[] = {"noise=hilbert_r2", "noise=ign", "noise=ign interleave=yes", "march=sweep"};
+    static const int         periods[] = {8, 16, 32, 64, 61};
+    (void)state;
+    for (int i = 0; i < 4; ++i) {
+        const hbil_config c = config_of("outputs=ao+near slices=2 steps=3", noises[i]);
+        gpu_input         in;
+        gpu_output        first, later;
+        make_room(&in, 32, 2.0, 1.0f, 0.5f);
+        run_still(&c, &in, 5, 1, &first);
+        for (int k = 0; k < 5; ++k) {
+            run_still(&c, &in, 5u + (uint32_t)periods[k], 1, &later);
+            assert_int_equal(same(&first.ao, &later.ao), periods[k] == 61 && strstr(noises[i], "ign") != NULL);
+            gpu_free(&later);
+        }
+        gpu_free(&first);
+        free_room(&in);
+    }
+}
+
 /* --- garbage ----------------------------------------------------------------------------------------------------- */
 
 /* The text of a pass with a line put before the first line that has `before` in it. Caller frees. */
@@ -521,12 +498,11 @@ static void film_free(film *f)
 /* Frame `now` after frame `last`; last < 0: the first one. */
 static gpu_input step(const film *f, int last, int now)
 {
-    gpu_input in = input_of(&f->frame[now]);
+    gpu_input in = gpu_input_of(&f->frame[now]);
     in.frame.index = (uint32_t)now;
-    in.frame.reset = last < 0;
+    in.frame.reset = 1;
     if (last >= 0) {
-        memcpy(in.frame.last_projection, f->frame[last].projection, sizeof in.frame.projection);
-        memcpy(in.frame.last_view, f->frame[last].view, sizeof in.frame.view);
+        capture_follow(&in.frame, &f->frame[last]);
     }
     return in;
 }
@@ -618,6 +594,7 @@ static int check_bounces(const char *name, const film *f)
         print_message("%s, %s\n  RMSE of near light to all bounces: one bounce %.4f, recursive %.4f, ratio %.3f\n"
                       "  apart from each other: gather and camera %.4f, scatter and gather %.4f, two seeds %.4f\n", name, marches[m], off[0],
                       off[1], off[1] / off[0], gather, scatter, seeds);
+        /* a sweep has no noise but its turn: .004 is a twentieth of the light */
         good &= off[1] < off[0] && off[2] < off[0] && off[3] < off[0] && gather < 0.5 * fmax(seeds, 0.004) && scatter < fmax(seeds, 0.004);
         for (int i = 0; i < 4; ++i) {
             gpu_free(&o[i]);
@@ -904,7 +881,7 @@ static int check_downscale(const char *name, const capture *cap)
         double off[3][2];
         for (int i = 0; i < 3; ++i) {
             hbil_config     c = config_of(marches[m], "");
-            const gpu_input in = input_of(cap);
+            const gpu_input in = gpu_input_of(cap);
             gpu_output      o;
             double          sum = 0.0;
             int             count = 0;

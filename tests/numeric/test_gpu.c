@@ -49,20 +49,6 @@ static void for_all(int (*check)(const char *name))
     assert_int_equal(failed, 0);
 }
 
-static gpu_input input_of(const capture *cap)
-{
-    gpu_input in;
-    memset(&in, 0, sizeof in);
-    in.frame.width = (uint32_t)cap->width;
-    in.frame.height = (uint32_t)cap->height;
-    memcpy(in.frame.projection, cap->projection, sizeof in.frame.projection);
-    memcpy(in.frame.view, cap->view, sizeof in.frame.view);
-    in.depth = cap->depth;
-    in.normal = cap->normal;
-    in.radiance = cap->direct;
-    return in;
-}
-
 static bf_scene scene_of(const capture *cap)
 {
     const bf_scene s = {bf_camera_from(cap->projection, cap->width, cap->height), cap->depth.data, (double)SKY, cap->normal.data,
@@ -77,7 +63,7 @@ static double furnace_error(const capture *cap)
 {
     static const int slices[] = {1, 2, 3, 5, 8}, steps[] = {1, 2, 6, 32};
     const int        pixels = cap->width * cap->height;
-    gpu_input        in = input_of(cap);
+    gpu_input        in = gpu_input_of(cap);
     double           worst = 0.0;
     assert_true(image_make(&in.radiance, cap->width, cap->height, 3));
     for (int i = 0; i < 3 * pixels; ++i) {
@@ -392,7 +378,7 @@ static int check_against_brute_force(const char *name, const hbil_config *config
     if (!whole) {
         assert_true(decimate(&cap, 2 * ((cap.width + 2 * width - 1) / (2 * width))));
     }
-    const gpu_input in = input_of(&cap);
+    const gpu_input in = gpu_input_of(&cap);
     const bf_scene  scene = scene_of(&cap);
     const int       stride = (int)fmax(1.0, sqrt(cap.width * cap.height / 600.0));
     const bf_grid   grid = bf_grid_of(cap.width, cap.height, stride / 2, stride);
@@ -454,7 +440,7 @@ static int check_against_double(const char *name)
     capture           cap;
     double            count = 0.0, ao = 0.0, near = 0.0, near_mean = 0.0;
     load(name, &cap);
-    const gpu_input in = input_of(&cap);
+    const gpu_input in = gpu_input_of(&cap);
     const bf_scene  scene = scene_of(&cap);
     gpu_output      out;
     gpu_run(&config, &in, &out);

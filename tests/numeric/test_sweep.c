@@ -58,20 +58,6 @@ static const char *kind_of(int index)
     return index < (int)(sizeof k_scenes / sizeof *k_scenes) ? "built-in " : "";
 }
 
-static gpu_input input_of(const capture *cap)
-{
-    gpu_input in;
-    memset(&in, 0, sizeof in);
-    in.frame.width = (uint32_t)cap->width;
-    in.frame.height = (uint32_t)cap->height;
-    memcpy(in.frame.projection, cap->projection, sizeof in.frame.projection);
-    memcpy(in.frame.view, cap->view, sizeof in.frame.view);
-    in.depth = cap->depth;
-    in.normal = cap->normal;
-    in.radiance = cap->direct;
-    return in;
-}
-
 static gpu_input make_input(const bf_camera *camera)
 {
     gpu_input in;
@@ -242,7 +228,7 @@ static void shader_equals_cpu_sweep(void **state)
     int              failed = 0;
     (void)state;
     for (int i = 0; (name = load(i, &cap)) != NULL; ++i) {
-        const gpu_input in = input_of(&cap);
+        const gpu_input in = gpu_input_of(&cap);
         for (int k = 0; k < 4; ++k) {
             const verdict v = meet(&in, counts[k][0], counts[k][1], cap.width > 320 ? 2 : 1, 1e-4); /* time */
             print_message("%s%s, slices %d, stride %d: of %ld pixels %.4f %% have another ao (largest %.1e), %.4f %% another near (%.1e)\n",
@@ -349,7 +335,7 @@ static void furnace_is_white(void **state)
     int         failed = 0;
     (void)state;
     for (int i = 0; (name = load(i, &cap)) != NULL; ++i) {
-        gpu_input in = input_of(&cap);
+        gpu_input in = gpu_input_of(&cap);
         assert_true(image_make(&in.radiance, cap.width, cap.height, 3));
         for (int k = 0; k < 3 * cap.width * cap.height; ++k) {
             in.radiance.data[k] = 1.0f;
@@ -567,7 +553,7 @@ static errors errors_of(const char *text)
 {
     errors sum = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < TRUTHS; ++i) {
-        const gpu_input in = input_of(&truths[i]);
+        const gpu_input in = gpu_input_of(&truths[i]);
         gpu_output      out;
         run(text, &in, &out);
         add_errors(&truths[i], &out.ao, &out.near, &sum);
@@ -613,7 +599,7 @@ static void frames_turn_the_directions(void **state)
     }
     for (int i = 0; i < TRUTHS; ++i) {
         const int  pixels = truths[i].width * truths[i].height;
-        gpu_input  in = input_of(&truths[i]);
+        gpu_input  in = gpu_input_of(&truths[i]);
         gpu_output first, more;
         image      mean;
         double     apart = 0.0;
@@ -725,7 +711,7 @@ static void both_converges_to_the_sweep(void **state)
     int                      failed = 0;
     (void)state;
     for (int i = 0; (name = load(i, &cap)) != NULL; ++i) {
-        const gpu_input in = input_of(&cap);
+        const gpu_input in = gpu_input_of(&cap);
         gpu_output      sweeps;
         run("outputs=ao march=sweep slices=4", &in, &sweeps);
         print_message("%s%s, samples up to a reach and the sweep beyond, against the sweep alone: ao", kind_of(i), name);

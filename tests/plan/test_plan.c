@@ -255,6 +255,63 @@ static void plan_names_stand_in_the_text(void **state)
     }
 }
 
+/* Sum of the whole numbers of "const int HBIL_LAYERS = 0 + 1 + 4;" and its comments; -1: no such constant. */
+static int layers_in(const char *text)
+{
+    const char *at = strstr(text, "const int HBIL_LAYERS = 0");
+    int sum = 0;
+    if (!at) return -1;
+    for (at += 25; *at != ';'; ++at) {
+        if (at[0] == '/' && at[1] == '/') at = strchr(at, '\n');
+        if (at[0] == '+') sum += atoi(at + 1);
+    }
+    return sum;
+}
+
+/* The core counts the layers of a signal for the textures, the text adds them up for its loops. */
+static void layers_of_a_signal_are_those_of_the_text(void **state)
+{
+    static char text[HBIL_GLSL_MAX];
+    int k, n = matrix_pairwise(configs), compared = 0;
+    (void)state;
+    for (k = 0; k < n; ++k) {
+        hbil_plan p;
+        uint32_t i, b;
+        configs[k].environment = configs[k].environment == HBIL_ENVIRONMENT_HOOK ? 0 : configs[k].environment; /* its text is the engine's */
+        if (hbil_plan_build(&configs[k], &p, NULL) != HBIL_OK) continue;
+        for (i = 0; i < p.pass_count; ++i)
+            for (b = 0; b < p.passes[i].binding_count; ++b) {
+                const hbil_binding *bind = &p.passes[i].bindings[b];
+                if (bind->role != HBIL_ROLE_FROM && bind->role != HBIL_ROLE_TO) continue;
+                assert_int_equal(hbil_emit_glsl(&p, (int32_t)i, text, sizeof text, NULL), HBIL_OK);
+                assert_int_equal(layers_in(text), p.textures[bind->texture].layers);
+                ++compared;
+            }
+    }
+    assert_true(compared > 100);
+}
+
+/* hbil.h, >>targets: the most that a pass writes. GL 4.3 has eight image units, no more. */
+static void no_pass_writes_more_than_eight_images(void **state)
+{
+    static const char config[] = "target=gl outputs=ao+uniform_ao+bent+cone+near+sh+far+irradiance+specular_occlusion+composite "
+        "estimator=bitmask environment=sh far_visibility=free_bits temporal=yes bounces=recursive reproject=scatter";
+    hbil_config c;
+    hbil_plan p;
+    uint32_t i, b, most = 0;
+    (void)state;
+    memset(&c, 0, sizeof c);
+    assert_int_equal(hbil_config_parse(&c, config, sizeof config - 1, NULL), HBIL_OK);
+    assert_int_equal(hbil_plan_build(&c, &p, NULL), HBIL_OK);
+    for (i = 0; i < p.pass_count; ++i) {
+        uint32_t writes = 0;
+        for (b = 0; b < p.passes[i].binding_count; ++b) writes += p.passes[i].bindings[b].access == HBIL_ACCESS_WRITE;
+        if (writes > most) most = writes;
+    }
+    assert_int_equal(most, 8);
+    if (hbil_null_check(&p, 640, 360, NULL)) fail_msg("the largest plan has a fault");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +322,8 @@ int main(void)
         cmocka_unit_test(null_backend_follows_history),
         cmocka_unit_test(equal_configs_give_equal_bytes),
         cmocka_unit_test(plan_names_stand_in_the_text),
+        cmocka_unit_test(layers_of_a_signal_are_those_of_the_text),
+        cmocka_unit_test(no_pass_writes_more_than_eight_images),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
 }

@@ -395,6 +395,38 @@ static void frames_that_do_not_fit_are_refused_with_the_fix(void **state)
     refuse_frame(&world, &f, "[1, 16384]");
 }
 
+/* A frame behind another: the motion between the two spaces, z into the screen, and what a frame without a last one says. */
+static void last_frame_is_related_to_this_one(void **state)
+{
+    hbil_plan p = plan_of("temporal=yes reproject=scatter downscale=2");
+    hbil_frame f = test_frame(&p.config, 65, 36);
+    float v;
+    int32_t i;
+    (void)state;
+    f.view[12] = 0.5f; /* the world moves right and away from this frame's camera, */
+    f.view[14] = -2;
+    near_float(constant(&p, &f, "HBIL_LAST_FROM_VIEW", 0), 1, 0);
+    near_float(constant(&p, &f, "HBIL_LAST_FROM_VIEW", 3), -0.5, 1e-7); /* so a point was 0.5 further left and 2 m nearer */
+    near_float(constant(&p, &f, "HBIL_LAST_FROM_VIEW", 11), -2, 1e-7);
+    near_float(constant(&p, &f, "HBIL_VIEW_FROM_LAST", 3), 0.5, 1e-7);
+    near_float(constant(&p, &f, "HBIL_VIEW_FROM_LAST", 11), 2, 1e-7);
+    f.last_width = 33;
+    v = constant(&p, &f, "HBIL_LAST_SIZE", 0);
+    memcpy(&i, &v, 4);
+    assert_int_equal(i, 17); /* of the grid, rounded up */
+    f.reset = 1; /* nothing of the last frame is read */
+    memset(f.last_projection, 0, sizeof f.last_projection);
+    memset(f.last_view, 0, sizeof f.last_view);
+    near_float(constant(&p, &f, "HBIL_LAST_FROM_VIEW", 3), 0, 1e-7);
+    f.reset = 0;
+    refuse_frame(&p, &f, "set reset=1 in the first frame");
+    memcpy(f.last_projection, f.projection, sizeof f.projection);
+    refuse_frame(&p, &f, "last_view: not a rotation");
+    memcpy(f.last_view, f.view, sizeof f.view);
+    f.last_height = 16385;
+    refuse_frame(&p, &f, "last_width and last_height");
+}
+
 static void dynamic_options_are_read_from_live_and_checked(void **state)
 {
     hbil_plan p = plan_of("slices=2 reach=3 dynamic=slices+reach");
@@ -533,6 +565,7 @@ int main(void)
         cmocka_unit_test(rays_follow_the_matrix_also_off_centre),
         cmocka_unit_test(depth_constants_invert_every_convention),
         cmocka_unit_test(frames_that_do_not_fit_are_refused_with_the_fix),
+        cmocka_unit_test(last_frame_is_related_to_this_one),
         cmocka_unit_test(dynamic_options_are_read_from_live_and_checked),
         cmocka_unit_test(packing_needs_the_whole_block),
         cmocka_unit_test(hooks_in_any_legal_form_are_taken),
