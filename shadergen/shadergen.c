@@ -2,28 +2,19 @@
 
 #define HBIL_IMPLEMENTATION
 #include "../hbil.h"
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../backends/hbil_glslang.h"
+
+#include "build.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-enum { DONE = 0, CONFIG = 1, USAGE = 2, IO = 3, COMPILER = 4 };
-#define WORDS_MAX 65536 /* SPIR-V words of one pass */
 
 typedef struct arguments {
     const char *format, *pass, *output, *explain, *action, *hook;
     int         verbose;
 } arguments;
-
-/* The function of environment=hook: its file and what is in it, both NULL without --hook. */
-typedef struct hook_file { const char *path; char *text; } hook_file;
-
-/* An output in memory; all are made before the first is written. */
-typedef struct output { char path[1024]; char *data; size_t size; } output;
 
 static int help(FILE *f, int code)
 {
@@ -57,15 +48,6 @@ static int usage(const char *what, const char *word)
 {
     fprintf(stderr, "shadergen: %s%s; see shadergen --help\n", what, word);
     return USAGE;
-}
-
-static void print_diags(const hbil_diags *diags, const char *where, int verbose)
-{
-    int i, n = diags->count < diags->capacity ? diags->count : diags->capacity;
-    for (i = 0; i < n; ++i)
-        if (verbose || diags->items[i].severity != HBIL_NOTE)
-            fprintf(stderr, "shadergen: %s%s%s\n", where, *where ? ": " : "", diags->items[i].text);
-    if (diags->count > n) fprintf(stderr, "shadergen: and %d more\n", diags->count - n);
 }
 
 /* ---------------------------------------------------------------------- the option table, for people */
@@ -176,184 +158,7 @@ static int explain(const char *name)
     return DONE;
 }
 
-/* ---------------------------------------------------------------------- files */
-
-/* The whole file with a zero behind it; size is without that. NULL: errno says why. */
-static char *read_all(const char *path, size_t *size)
-{
-    FILE *f = strcmp(path, "-") ? fopen(path, "rb") : stdin;
-    char *data = NULL;
-    size_t n = 0, room = 0, got = 1;
-    if (!f) return NULL;
-    while (got) {
-        if (n == room) {
-            char *more = (char *)realloc(data, (room += 65536) + 1);
-            if (!more) { free(data); data = NULL; break; }
-            data = more;
-        }
-        got = fread(data + n, 1, room - n, f);
-        n += got;
-    }
-    if (ferror(f)) { free(data); data = NULL; }
-    if (f != stdin) fclose(f);
-    if (data) data[n] = 0;
-    *size = n;
-    return data;
-}
-
-static int same_on_disk(const output *o)
-{
-    size_t size = 0;
-    char *data = read_all(o->path, &size);
-    int same = data && size == o->size && memcmp(data, o->data, size) == 0;
-    free(data);
-    return same;
-}
-
-/* Writes one output: to standard output, or to the temporary file, which is gone again after a failure. */
-static int write_one(const output *o, const char *temp)
-{
-    FILE *f = *temp ? fopen(temp, "wb") : stdout;
-    int ok = f && fwrite(o->data, 1, o->size, f) == o->size && fflush(f) == 0;
-    if (f && f != stdout) {
-        ok = fclose(f) == 0 && ok;
-        if (!ok) remove(temp);
-    }
-    return ok;
-}
-
-/* All temporary files first, then all renames: a full disk or a folder in the way leaves every old file as it was. */
-static int write_outputs(output *outputs, int count)
-{
-    char temp[HBIL_MAX_PASSES][1040];
-    int i, made, bad = -1;
-    for (made = 0; made < count && bad < 0; ++made) {
-        int changed = strcmp(outputs[made].path, "-") == 0 || !same_on_disk(&outputs[made]);
-        temp[made][0] = 0;
-        if (changed && strcmp(outputs[made].path, "-")) strcat(strcpy(temp[made], outputs[made].path), ".tmp");
-        if (changed && !write_one(&outputs[made], temp[made])) bad = made, temp[made][0] = 0;
-    }
-    for (i = 0; i < made && bad < 0; ++i)
-        if (temp[i][0] && rename(temp[i], outputs[i].path)) bad = i;
-    if (bad < 0) return DONE;
-    fprintf(stderr, "shadergen: cannot write %s: %s\n", outputs[bad].path, strerror(errno));
-    for (i = 0; i < made; ++i)
-        if (temp[i][0]) remove(temp[i]);
-    return IO;
-}
-
 /* ---------------------------------------------------------------------- outputs */
-
-static char compiler_log[8192];
-
-static hbil_glslang_result compile(const char *text, hbil_target target, output *o)
-{
-    uint32_t *words = (uint32_t *)malloc(WORDS_MAX * sizeof *words);
-    size_t need = 0;
-    hbil_glslang_result result = HBIL_GLSLANG_E_ARG;
-    if (words) result = hbil_glslang_compile(text, target, words, WORDS_MAX, &need, compiler_log, sizeof compiler_log);
-    if (result != HBIL_GLSLANG_OK) { free(words); return result; }
-    o->data = (char *)words;
-    o->size = need * sizeof *words;
-    return HBIL_GLSLANG_OK;
-}
-
-static char *emit(const hbil_plan *plan, int32_t pass, const char *hook, size_t *size, hbil_diags *diags)
-{
-    size_t need = 0;
-    char *text = NULL;
-    if (hbil_emit_glsl_hook(plan, pass, hook, NULL, 0, &need, diags) == HBIL_E_SPACE) text = (char *)malloc(need);
-    if (text && hbil_emit_glsl_hook(plan, pass, hook, text, need, NULL, NULL) != HBIL_OK) { free(text); text = NULL; }
-    *size = need ? need - 1 : 0;
-    return text;
-}
-
-/* Does the pass compile with a hook that is surely right? Then the fault is in the other one. */
-static int compiles_without(const hbil_plan *plan, int32_t pass)
-{
-    static const char plain[] = "vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) { return position; }";
-    output o = { "", NULL, 0 };
-    size_t size;
-    char *text = emit(plan, pass, plain, &size, NULL);
-    int ok = text && compile(text, (hbil_target)plan->config.target, &o) == HBIL_GLSLANG_OK;
-    free(text);
-    free(o.data);
-    return ok;
-}
-
-/* glslang's "ERROR: 1:4: text" is line 4 of the hook, source 1: FILE:4: text. Returns how many lines spoke of it. */
-static int print_hook_errors(const char *path)
-{
-    const char *at = compiler_log;
-    int count = 0;
-    for (; *at; at += strcspn(at, "\n"), at += strspn(at, "\n")) {
-        int length = (int)strcspn(at, "\n");
-        if (strncmp(at, "ERROR: 1:", 9)) continue;
-        if (strncmp(at + strcspn(at, "'\n"), "'' : compilation terminated", 27) == 0) continue;
-        fprintf(stderr, "%s:%.*s\n", path, length - 9, at + 9);
-        ++count;
-    }
-    return count;
-}
-
-/* Says whose fault it is that glslang refused a pass: the hook's or ours. */
-static int refused(const hbil_plan *plan, int32_t pass, const hook_file *hook)
-{
-    const char *name = plan->passes[pass].name;
-    static char log[sizeof compiler_log];
-    strcpy(log, compiler_log);
-    if (!plan->passes[pass].hook || !compiles_without(plan, pass)) {
-        fprintf(stderr, "shadergen: glslang refused pass %s; please report this with the `rebuild` line of its text:\n%s\n",
-                name, log);
-        return COMPILER;
-    }
-    strcpy(compiler_log, log);
-    fprintf(stderr, "shadergen: the hook %s does not compile in pass %s\n", hook->path, name);
-    if (!print_hook_errors(hook->path)) fprintf(stderr, "%s: breaks the text behind it:\n%s\n", hook->path, log);
-    return CONFIG;
-}
-
-static int make_pass(const hbil_plan *plan, int32_t pass, int spirv, const hook_file *hook, output *o)
-{
-    hbil_diag items[4];
-    hbil_diags diags = { items, 4, 0 };
-    size_t size;
-    int code = DONE;
-    char *text = emit(plan, pass, hook->text, &size, &diags);
-    if (!text) {
-        print_diags(&diags, hook->path ? hook->path : "", 1);
-        if (!diags.count) fprintf(stderr, "shadergen: out of memory\n");
-        return diags.count ? CONFIG : IO;
-    }
-    if (spirv) {
-        if (compile(text, (hbil_target)plan->config.target, o) != HBIL_GLSLANG_OK) code = refused(plan, pass, hook);
-        free(text);
-    } else {
-        o->data = text;
-        o->size = size;
-    }
-    return code;
-}
-
-/* path: -, a folder with a / at its end, or a file (one output only). */
-static int place(output *o, const char *path, const char *name, const char *suffix)
-{
-    size_t n = strlen(path);
-    int long_path = snprintf(o->path, sizeof o->path, "%s%s%s", path, n && path[n - 1] == '/' ? name : "",
-                             n && path[n - 1] == '/' ? suffix : "") >= (int)sizeof o->path;
-    if (!long_path) return DONE;
-    fprintf(stderr, "shadergen: path too long\n");
-    return IO;
-}
-
-static int make_manifest(const hbil_plan *plan, output *o)
-{
-    size_t need = 0;
-    hbil_emit_manifest(plan, NULL, 0, &need);
-    o->data = (char *)malloc(need);
-    o->size = need - 1;
-    return o->data && hbil_emit_manifest(plan, o->data, need, NULL) == HBIL_OK ? DONE : IO;
-}
 
 /* Reads the file of --hook where a pass that is asked for calls it. It is a mistake to leave --hook out there, or to give it
  * to a plan that calls nothing. */
@@ -396,36 +201,37 @@ static int find_pass(const hbil_plan *plan, const arguments *a, int32_t *only)
     return USAGE;
 }
 
+static int add_pass(const hbil_plan *plan, int32_t pass, int spirv, const hook_file *hook, const char *path, files *outputs)
+{
+    file *f = files_add(outputs);
+    int code = f ? build_pass(plan, pass, spirv, hook, f) : IO;
+    return code == DONE && !file_place(f, path, plan->passes[pass].name, spirv ? ".spv" : ".comp") ? IO : code;
+}
+
+static int add_manifest(const hbil_plan *plan, const char *path, files *outputs)
+{
+    file *f = files_add(outputs);
+    int code = f ? build_manifest(plan, f) : IO;
+    return code == DONE && !file_place(f, path, "plan", ".json") ? IO : code;
+}
+
 static int generate(const hbil_plan *plan, const arguments *a)
 {
-    output outputs[HBIL_MAX_PASSES];
+    files outputs = { NULL, 0, 0 };
     hook_file hook = { NULL, NULL };
     int32_t i, only;
     int spirv = strcmp(a->format, "spirv") == 0, manifest = strcmp(a->format, "manifest") == 0;
-    int count = 0, code = find_pass(plan, a, &only);
-    int folder = a->output[strlen(a->output) - 1] == '/';
-    memset(outputs, 0, sizeof outputs);
+    int code = find_pass(plan, a, &only), folder = a->output[strlen(a->output) - 1] == '/';
     if (code != DONE) return code;
     if (!folder && !a->pass && !manifest && (spirv || strcmp(a->output, "-")))
         return usage("several passes do not fit one file: name a folder (-o DIR/) or one pass (--pass NAME)", "");
     code = read_hook(plan, a, only, &hook);
-    if (manifest && code == DONE) {
-        code = make_manifest(plan, &outputs[0]);
-        if (code == DONE) code = place(&outputs[0], a->output, "plan", ".json");
-        count = 1;
-    }
-    for (i = 0; i < (int32_t)plan->pass_count && code == DONE && !manifest; ++i) {
-        if (a->pass && i != only) continue;
-        code = make_pass(plan, i, spirv, &hook, &outputs[count]);
-        if (code == DONE) code = place(&outputs[count], a->output, plan->passes[i].name, spirv ? ".spv" : ".comp");
-        ++count;
-    }
-    if (folder && code == DONE && mkdir(a->output, 0777) && errno != EEXIST) {
-        fprintf(stderr, "shadergen: cannot make folder %s: %s\n", a->output, strerror(errno));
-        code = IO;
-    }
-    if (code == DONE) code = write_outputs(outputs, count);
-    for (i = 0; i < count; ++i) free(outputs[i].data);
+    if (manifest && code == DONE) code = add_manifest(plan, a->output, &outputs);
+    for (i = 0; i < (int32_t)plan->pass_count && code == DONE && !manifest; ++i)
+        if (!a->pass || i == only) code = add_pass(plan, i, spirv, &hook, a->output, &outputs);
+    if (code == DONE && folder && !folder_make(a->output)) code = IO;
+    if (code == DONE && !files_write(&outputs, NULL)) code = IO;
+    files_free(&outputs);
     free(hook.text);
     return code;
 }
