@@ -9,11 +9,11 @@
 #   PASSES  only these; not with c. With spirv other rules can then depend on the files
 #   HOOK    GLSL with the function of environment=hook
 #
-# All goes to TARGET.hbil/ in the binary folder of TARGET. Sets HBIL_SHADERS to the path of the header, or of the folder with a / at
-# its end.
+# All goes to TARGET.hbil/ in the binary folder of TARGET. Sets HBIL_SHADERS to the path of the header, or of the folder with
+# a / at its end.
 #
-# shadergen is the one that hbil was installed or built with (HBIL_BUILD_SHADERGEN), or the program that HBIL_SHADERGEN names: set
-# that to one of the build machine where you cross-compile.
+# shadergen is the one that hbil was installed or built with (HBIL_BUILD_SHADERGEN), or the program that HBIL_SHADERGEN
+# names: where you cross-compile, one of the machine that builds.
 
 # relative paths in depfiles mean the binary folder
 if(POLICY CMP0116)
@@ -23,8 +23,9 @@ endif()
 function(hbil_add_shaders target)
     cmake_parse_arguments(PARSE_ARGV 1 S "" "CONFIG;FORMAT;OUTPUT;HOOK" "PASSES")
     if(S_UNPARSED_ARGUMENTS OR S_KEYWORDS_MISSING_VALUES OR NOT S_CONFIG)
-        message(FATAL_ERROR "hbil_add_shaders(TARGET CONFIG FILE [FORMAT FORMAT] [OUTPUT NAME] [PASSES NAME ...] [HOOK FILE]): "
-            "CONFIG is missing, a keyword has no value, or not understood: ${S_UNPARSED_ARGUMENTS}")
+        message(FATAL_ERROR "hbil_add_shaders(${ARGV}): CONFIG is missing, a value is (${S_KEYWORDS_MISSING_VALUES}), or an "
+            "argument is not known (${S_UNPARSED_ARGUMENTS}). "
+            "Usage: hbil_add_shaders(TARGET CONFIG FILE [FORMAT FORMAT] [OUTPUT NAME] [PASSES NAME ...] [HOOK FILE])")
     endif()
     if(NOT TARGET ${target})
         message(FATAL_ERROR "hbil_add_shaders: no target ${target}: call it after add_executable or add_library")
@@ -40,8 +41,8 @@ function(hbil_add_shaders target)
     elseif(TARGET hbil::shadergen)
         set(shadergen $<TARGET_FILE:hbil::shadergen>)
     else()
-        message(FATAL_ERROR "hbil_add_shaders: hbil came without shadergen: set HBIL_BUILD_SHADERGEN to ON where hbil is built, "
-            "or HBIL_SHADERGEN to the path of the program")
+        message(FATAL_ERROR "hbil_add_shaders: hbil came without shadergen. Set HBIL_BUILD_SHADERGEN to ON where hbil is "
+            "built, or HBIL_SHADERGEN to the path of the program")
     endif()
 
     # where
@@ -54,7 +55,6 @@ function(hbil_add_shaders target)
         get_target_property(folder ${target} BINARY_DIR)
         set(folder "${folder}/${target}.hbil")
     endif()
-    file(MAKE_DIRECTORY "${folder}")
     if(S_FORMAT STREQUAL c)
         if(NOT S_OUTPUT)
             set(S_OUTPUT hbil_shaders.h)
@@ -69,6 +69,8 @@ function(hbil_add_shaders target)
         set(output "${folder}/${S_OUTPUT}/")
         set(files)
     endif()
+    get_filename_component(parent "${folder}/${S_OUTPUT}" DIRECTORY)
+    file(MAKE_DIRECTORY "${parent}")
     set(stamp "${folder}/${S_OUTPUT}.stamp")
     set(depfile "${folder}/${S_OUTPUT}.d")
 

@@ -23,7 +23,7 @@ static hbil_result engine_init(engine *e, const hbil_config *config, uint32_t wi
         const hbil_texture *texture = &e->plan.textures[t];
         if (texture->copies > 2) return HBIL_E_SPACE;                        /* no plan has more */
         result = hbil_plan_extent(&e->plan, (int32_t)t, width, height, size);
-        for (k = 0; k < texture->copies; ++k)
+        for (k = 0; result == HBIL_OK && k < texture->copies; ++k)
             if (texture->life <= HBIL_LIFE_OUTPUT) e->texture[t][k] = engine_texture(texture); /* you have it already */
             else e->texture[t][k] = rhi_texture(texture, size);
     }
@@ -84,9 +84,9 @@ static const hbil_frame *frame_of(int index)
 static int help(FILE *f, int code)
 {
     fputs("usage: hbil-own-engine [NAME=VALUE ...]\n\n"
-          "Gives the plan of a config to an RHI that executes nothing, for three frames, and prints its log. The config is\n"
-          "that of hbil.h; with no argument temporal=yes bounces=recursive facing=half_space downscale=2.\n"
-          "exit: 0 done, 1 config or frame refused, 2 wrong usage, 3 cannot write, 4 faults, see FAULT in the log\n", f);
+          "Gives the plan of a config to an RHI that executes nothing, for three frames; prints its log. The options are\n"
+          "those of hbil.h; none is temporal=yes bounces=recursive facing=half_space downscale=2.\n"
+          "exit: 0 done, 1 config or frame refused, 2 wrong usage, 3 cannot write, 4 lines of the log say FAULT\n", f);
     return code;
 }
 

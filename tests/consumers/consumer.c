@@ -14,7 +14,8 @@ int main(int argc, char **argv)
     const char   *at;
     int           pass;
     if (f) fclose(f);
-    if (!size || hbil_config_parse(&config, file, size, NULL) != HBIL_OK || hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return 1;
+    if (!size || hbil_config_parse(&config, file, size, NULL) != HBIL_OK) return 1;
+    if (hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return 1;
     printf("hash %08lx%08lx\n", (unsigned long)(plan.hash >> 32), (unsigned long)(plan.hash & 0xffffffff));
     for (pass = 0; pass < (int)plan.pass_count; ++pass) {
         if (hbil_emit_glsl(&plan, pass, text, sizeof text, NULL) != HBIL_OK) return 1;

@@ -36,7 +36,8 @@ int main(int argc, char **argv) try
         uint32_t sum = 2166136261u;
         const std::string glsl = emit(*plan, pass);
         for (const char letter : glsl) sum = (sum ^ static_cast<unsigned char>(letter)) * 16777619u;
-        std::cout << "pass " << plan->passes[pass].name << ' ' << std::dec << glsl.size() << ' ' << std::hex << std::setw(8) << sum << '\n';
+        std::cout << "pass " << plan->passes[pass].name << ' ' << std::dec << glsl.size() << ' ';
+        std::cout << std::hex << std::setw(8) << sum << '\n';
     }
     return 0;
 } catch (const std::exception &fault) {

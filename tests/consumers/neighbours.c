@@ -1,5 +1,5 @@
-/* neighbours.c - the implementations of hbil.h, its backends, volk, stb_image and stb_image_write in one file with GLFW and
- * its GL header: no name clashes, and all of it links. HBIL_FIRST: hbil.h before the others, else behind them. */
+/* neighbours.c - the implementations of hbil.h, its backends, volk, stb_image and stb_image_write in one file with GLFW
+ * and its GL header: no name clashes, and all of it links. HBIL_FIRST: hbil.h before the others, else behind them. */
 #ifdef HBIL_FIRST
 #define HBIL_IMPLEMENTATION
 #include "hbil.h"
@@ -72,7 +72,8 @@ int main(int argc, char **argv)
     size_t      size = f ? fread(file, 1, sizeof file, f) : 0;
     if (f) fclose(f);
     memset(&config, 0, sizeof config);
-    if (!size || hbil_config_parse(&config, file, size, NULL) != HBIL_OK || hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return 1;
+    if (!size || hbil_config_parse(&config, file, size, NULL) != HBIL_OK) return 1;
+    if (hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return 1;
     if (!neighbours_work() || !backends_work(&plan)) return 1;
     printf("hash %08lx%08lx\n", (unsigned long)(plan.hash >> 32), (unsigned long)(plan.hash & 0xffffffff));
     return 0;

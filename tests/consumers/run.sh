@@ -1,6 +1,6 @@
 #!/bin/sh
-# hbil.h as others use it: installed, as a subproject, by pkg-config, by a copy, in C++, beside other libraries, and with shaders
-# that are made at build time. Each consumer prints the hash and the texts of one config: all print the same.
+# hbil.h as others use it: installed, as a subproject, by pkg-config, by a copy, in C++, beside other libraries, and with
+# shaders that are made at build time. Each consumer prints the hash and the texts of one config: all print the same.
 #
 #   sh tests/consumers/run.sh BUILD       BUILD: a build folder of hbil
 #
@@ -93,12 +93,11 @@ build_says() # [!] TEXT
 }
 newer() { sleep 1.1; touch "$1"; }
 
-generated() # GENERATOR WHAT-IT-SAYS-WHEN-NOTHING-IS-LEFT [OPTION ...]
+generated() # GENERATOR WHAT-IT-SAYS-WHEN-NOTHING-IS-LEFT
 {
-    generator=$1; idle=$2
-    shift 2
+    idle=$2
     cp "$work/consumer.hbil" .
-    run cmake -G "$generator" -S "$here/generated" -B build -DCMAKE_PREFIX_PATH="$prefix" -DCONFIG="$PWD/consumer.hbil" "$@"
+    run cmake -G "$1" -S "$here/generated" -B build -DCMAKE_PREFIX_PATH="$prefix" -DCONFIG="$PWD/consumer.hbil"
     build_says 'shaders of generated: .*consumer.hbil, spirv'
     # shellcheck disable=SC2046
     build/generated $(sed -n 's/^pass \([a-z_0-9]*\) .*/\1/p' "$work/expected") > printed || fail generated
@@ -135,7 +134,8 @@ add_executable(consumer consumer.c)
 target_link_libraries(consumer PRIVATE hbil::hbil)
 hbil_add_shaders(consumer CONFIG "${CONFIG}" FORMAT spirv)
 END
-    run cmake -G Ninja -S source -B build -DHBIL_SOURCE="$work/hbil source" -DCONFIG="$work/consumer.hbil" -DCMAKE_BUILD_TYPE=Debug
+    run cmake -G Ninja -S source -B build -DCMAKE_BUILD_TYPE=Debug \
+        -DHBIL_SOURCE="$work/hbil source" -DCONFIG="$work/consumer.hbil"
     build_says 'shaders of consumer'
     agrees build/consumer "$work/consumer.hbil"
     [ -s build/consumer.hbil/hbil_shaders/march.spv ] || fail 'no march.spv'
