@@ -9,8 +9,8 @@
 #   PASSES  only these; not with c. With spirv other rules can then depend on the files
 #   HOOK    GLSL with the function of environment=hook
 #
-# All goes to TARGET.hbil/ in the binary folder of TARGET. Sets HBIL_SHADERS to the path of the header, or of the folder with
-# a / at its end.
+# All goes to TARGET.hbil/ in the binary folder of TARGET. Sets HBIL_SHADERS to the path of the header,
+# or of the folder with a / at its end.
 #
 # shadergen is the one that hbil was installed or built with (HBIL_BUILD_SHADERGEN), or the program that HBIL_SHADERGEN
 # names: where you cross-compile, one of the machine that builds.
@@ -23,8 +23,8 @@ endif()
 function(hbil_add_shaders target)
     cmake_parse_arguments(PARSE_ARGV 1 S "" "CONFIG;FORMAT;OUTPUT;HOOK" "PASSES")
     if(S_UNPARSED_ARGUMENTS OR S_KEYWORDS_MISSING_VALUES OR NOT S_CONFIG)
-        message(FATAL_ERROR "hbil_add_shaders(${ARGV}): CONFIG is missing, a value is (${S_KEYWORDS_MISSING_VALUES}), or an "
-            "argument is not known (${S_UNPARSED_ARGUMENTS}). "
+        message(FATAL_ERROR "hbil_add_shaders(${ARGV}): CONFIG is missing, a value is (${S_KEYWORDS_MISSING_VALUES}), "
+            "or an argument is not known (${S_UNPARSED_ARGUMENTS}). "
             "Usage: hbil_add_shaders(TARGET CONFIG FILE [FORMAT FORMAT] [OUTPUT NAME] [PASSES NAME ...] [HOOK FILE])")
     endif()
     if(NOT TARGET ${target})
@@ -41,8 +41,8 @@ function(hbil_add_shaders target)
     elseif(TARGET hbil::shadergen)
         set(shadergen $<TARGET_FILE:hbil::shadergen>)
     else()
-        message(FATAL_ERROR "hbil_add_shaders: hbil came without shadergen. Set HBIL_BUILD_SHADERGEN to ON where hbil is "
-            "built, or HBIL_SHADERGEN to the path of the program")
+        message(FATAL_ERROR "hbil_add_shaders: hbil came without shadergen. Set HBIL_BUILD_SHADERGEN to ON where "
+            "hbil is built, or HBIL_SHADERGEN to the path of the program")
     endif()
 
     # where

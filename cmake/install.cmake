@@ -1,5 +1,5 @@
-# What `cmake --install` installs. The backends stand beside hbil.h, where they look for it. The .pc file goes by its own
-# place, so that the whole may be moved.
+# What `cmake --install` installs. The backends stand beside hbil.h, where they look for it. The .pc file goes by its
+# own place, so that the whole may be moved.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

@@ -84,8 +84,8 @@ static const hbil_frame *frame_of(int index)
 static int help(FILE *f, int code)
 {
     fputs("usage: hbil-own-engine [NAME=VALUE ...]\n\n"
-          "Gives the plan of a config to an RHI that executes nothing, for three frames; prints its log. The options are\n"
-          "those of hbil.h; none is temporal=yes bounces=recursive facing=half_space downscale=2.\n"
+          "Gives the plan of a config to an RHI that executes nothing, for three frames, and prints its log.\n"
+          "The options are those of hbil.h; none is temporal=yes bounces=recursive facing=half_space downscale=2.\n"
           "exit: 0 done, 1 config or frame refused, 2 wrong usage, 3 cannot write, 4 lines of the log say FAULT\n", f);
     return code;
 }

@@ -1,4 +1,4 @@
-/* rhi.h - a stand-in for the RHI of an engine. Executes nothing: prints each call and checks it against those before it,
+/* rhi.h - a stand-in for the RHI of an engine. Executes nothing: prints each call and checks it against those before,
  * over frames. For one file of one program. */
 #ifndef OWN_ENGINE_RHI_H
 #define OWN_ENGINE_RHI_H

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The examples emit and own_engine: exit codes and output. And own_engine with one line of the contract wrong: its RHI must
-# say so, or the checks there are worth nothing.
+# The examples emit and own_engine: exit codes and output. And own_engine with one line of the contract wrong: its RHI
+# must say so, or the checks there are worth nothing.
 #
 #   sh tests/consumers/examples.sh BIN        BIN: the folder of hbil-emit, hbil-own-engine and shadergen
 set -u

@@ -1,6 +1,6 @@
 #!/bin/sh
-# hbil.h as others use it: installed, as a subproject, by pkg-config, by a copy, in C++, beside other libraries, and with
-# shaders that are made at build time. Each consumer prints the hash and the texts of one config: all print the same.
+# hbil.h as others use it: installed, as a subproject, by pkg-config, by a copy, in C++, beside other libraries, and
+# with shaders that are made at build time. Each consumer prints the hash and the texts of one config: all print the same.
 #
 #   sh tests/consumers/run.sh BUILD       BUILD: a build folder of hbil
 #

@@ -1,5 +1,5 @@
-/* generated.c - uses what shadergen made at build time: includes the header; of each pass that is named, prints name, bytes and
- * FNV-1a sum of the text, as consumer.c does, and reads the SPIR-V. */
+/* generated.c - uses what shadergen made at build time: includes the header; of each pass that is named, prints name, bytes
+ * and FNV-1a sum of the text, as consumer.c does, and reads the SPIR-V. */
 #include "hbil_shaders.h"
 #include <stdio.h>
 
