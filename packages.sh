@@ -16,8 +16,8 @@ build="$build glslang-dev spirv-tools libopenexr-dev libcjson-dev libstb-dev lib
 build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 # GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver
 build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
-# a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma
-test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales'
+# a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma, GLFW beside hbil.h
+test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales libglfw3-dev'
 
 case "${1-}" in
     build) wanted=$build ;;
