@@ -557,6 +557,10 @@ HBIL_API hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, 
 /* Index of a texture or pass by name, -1 if the plan has none. */
 HBIL_API int32_t     hbil_plan_texture(const hbil_plan *plan, const char *name);
 HBIL_API int32_t     hbil_plan_pass(const hbil_plan *plan, const char *name);
+/* Number of a binding among those of its pass with the same access: the register t (SAMPLE) or u (WRITE) of HLSL, and what target=gl
+ * calls its unit. The uniform block is b0. MSL: texture(i) for the i-th binding, buffer(0). Samplers, of CUBE and 3D: s and sampler()
+ * with the number of their t. -1 outside. */
+HBIL_API int32_t     hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding);
 /* Size in texels of mip 0 at render size width x height, each in [1, 16384]. */
 HBIL_API hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t width, uint32_t height, uint32_t out[2]);
 /* Bytes of TRANSIENT and HISTORY textures without aliasing; 0 on a bad argument. */
@@ -6108,6 +6112,13 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
         hbil__json_int(s, "age", bind->age, 0);
         hbil__json_int(s, "mip", bind->mip, 0);
         hbil__json_text(s, "role", hbil__role_names[bind->role], 0);
+        if (p->config.target == HBIL_TARGET_VULKAN) { /* what HLSL and MSL are made from */
+            hbil__puts(s, bind->access == HBIL_ACCESS_SAMPLE ? ", \"hlsl\": \"t" : ", \"hlsl\": \"u");
+            hbil__put_int(s, hbil_plan_register(p, (int32_t)(pass - p->passes), (int32_t)b));
+            hbil__puts(s, "\", \"msl\": \"texture(");
+            hbil__put_int(s, b);
+            hbil__puts(s, ")\"");
+        }
         hbil__puts(s, "}");
     }
     hbil__puts(s, "],\n     \"barriers\": [");
@@ -6680,6 +6691,17 @@ int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
     for (i = 0; i < plan->texture_count && i < HBIL_MAX_TEXTURES; ++i)
         if (strcmp(plan->textures[i].name, name) == 0) return (int32_t)i;
     return -1;
+}
+
+int32_t hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding)
+{
+    const hbil_pass *p;
+    int32_t i, n = 0;
+    if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count) return -1;
+    p = &plan->passes[pass];
+    if (binding < 0 || binding >= p->binding_count) return -1;
+    for (i = 0; i < binding; ++i) n += p->bindings[i].access == p->bindings[binding].access;
+    return n;
 }
 
 int32_t hbil_plan_pass(const hbil_plan *plan, const char *name)
