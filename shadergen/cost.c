@@ -1,7 +1,6 @@
-/* cost.c - see cost.h. A reader of SPIR-V that knows what it needs: definitions, blocks, loops, liveness. Words are read through
- * word(), which never leaves an instruction, so broken modules end in an error. */
+/* cost.c - see cost.h. A reader of SPIR-V that knows what it needs: definitions, blocks, loops, liveness. Words are
+ * read through word(), which never leaves an instruction, so broken modules end in an error. */
 #include "cost.h"
-#include "../backends/hbil_glslang.h"
 
 #define SPV_ENABLE_UTILITY_CODE
 #include <spirv/unified1/GLSL.std.450.h>
@@ -10,21 +9,26 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-void SpvHasResultAndType(SpvOp opcode, bool *has_result, bool *has_type); /* inline in spirv.h: this is where it lives */
+/* inline in spirv.h, and so without a home: this is it */
+void SpvHasResultAndType(SpvOp opcode, bool *has_result, bool *has_type);
 
 #define WORDS_MAX  (1 << 18) /* SPIR-V words of a pass after inlining */
 #define BOUND_MAX  (1u << 20)
 #define BLOCKS_MAX 4096
 #define VALUES_MAX 65536
-#define TRIPS_MAX  65536     /* longer loops are of unknown length */
+#define TRIPS_MAX  4096  /* longer loops are of unknown length; the longest has 1024 steps */
 #define METRICS    ((int)(sizeof(cost_counts) / sizeof(double)))
 #define NONE       (-1)
 
-/* ---------------------------------------------------------------------------------------------------------------- module */
+/* ----------------------------------------------------------------------------------------------------------- module */
 
-typedef struct function { uint32_t id; int state /* 0, 1 being counted, 2 done */, registers; cost_counts counts; } function;
+typedef struct function {
+    uint32_t    id;
+    int         state; /* 0, 1: being counted, 2: done */
+    int         registers;
+    cost_counts counts;
+} function;
 
 typedef struct module {
     const hbil_plan *plan;
@@ -63,8 +67,12 @@ static int fail(module *m, const char *why)
 
 static uint32_t length(const module *m, uint32_t at) { return m->words[at] >> 16; }
 static uint32_t opcode(const module *m, uint32_t at) { return at ? m->words[at] & 0xffff : SpvOpNop; }
-static uint32_t word(const module *m, uint32_t at, uint32_t k) { return at && k < length(m, at) ? m->words[at + k] : 0; }
 static uint32_t def(const module *m, uint32_t id) { return id < m->bound ? m->def[id] : 0; }
+/* Word k of an instruction; 0 behind its end, and of what is not defined. */
+static uint32_t word(const module *m, uint32_t at, uint32_t k)
+{
+    return at && k < length(m, at) ? m->words[at + k] : 0;
+}
 
 /* Which word is the id of the result: 2 with a type, 1 without, 0 there is none. */
 static uint32_t result_at(uint32_t op)
@@ -88,7 +96,8 @@ static int define(module *m, uint32_t at)
     if (!k) return 1;
     if (id == 0 || id >= m->bound || m->def[id]) return fail(m, "an id that is out of bounds, or defined twice");
     m->def[id] = at;
-    if (op == SpvOpExtInstImport && length(m, at) == 6 && memcmp(m->words + at + 2, "GLSL.std.450", 13) == 0) m->glsl = id;
+    if (op == SpvOpExtInstImport && length(m, at) == 6 && memcmp(m->words + at + 2, "GLSL.std.450", 13) == 0)
+        m->glsl = id;
     if (op == SpvOpFunction) m->functions[m->function_count++].id = id;
     return 1;
 }
@@ -166,7 +175,7 @@ static uint32_t variable(const module *m, uint32_t id)
     return 0;
 }
 
-/* ------------------------------------------------------------------------------------------------------- one instruction */
+/* -------------------------------------------------------------------------------------------------- one instruction */
 
 /* Index of the plan's texture; NONE: the hook's own. GL's units of textures and of images have the same numbers. */
 static int texture_of(const module *m, uint32_t image, int access)
@@ -222,8 +231,8 @@ static void count_glsl(uint32_t name, double n, double k, double ops[COST_CLASSE
     switch (name) {
     case GLSLstd450FAbs: case GLSLstd450SAbs: break;
     case GLSLstd450Round: case GLSLstd450RoundEven: case GLSLstd450Trunc: case GLSLstd450Floor: case GLSLstd450Ceil:
-    case GLSLstd450Fract: case GLSLstd450Modf: case GLSLstd450ModfStruct: case GLSLstd450Frexp: case GLSLstd450FrexpStruct:
-    case GLSLstd450Ldexp: ops[COST_CONVERT] += n; break;
+    case GLSLstd450Fract: case GLSLstd450Modf: case GLSLstd450ModfStruct: case GLSLstd450Frexp:
+    case GLSLstd450FrexpStruct: case GLSLstd450Ldexp: ops[COST_CONVERT] += n; break;
     case GLSLstd450Sqrt: case GLSLstd450InverseSqrt: ops[COST_ROOT] += n; break;
     case GLSLstd450FSign: case GLSLstd450SSign: case GLSLstd450Step:
     case GLSLstd450FMin: case GLSLstd450UMin: case GLSLstd450SMin: case GLSLstd450NMin:
@@ -242,7 +251,8 @@ static void count_glsl(uint32_t name, double n, double k, double ops[COST_CLASSE
     case GLSLstd450FindILsb: case GLSLstd450FindSMsb: case GLSLstd450FindUMsb: ops[COST_INTEGER] += n; break;
     default:
         if (name >= GLSLstd450Sin && name <= GLSLstd450Log2) ops[COST_TRANSCENDENTAL] += n;
-        else if (name >= GLSLstd450PackSnorm4x8 && name <= GLSLstd450UnpackDouble2x32) ops[COST_CONVERT] += n > k ? n : k;
+        else if (name >= GLSLstd450PackSnorm4x8 && name <= GLSLstd450UnpackDouble2x32)
+            ops[COST_CONVERT] += n > k ? n : k;
         else ops[COST_FLOAT] += n; /* radians, degrees, and what no pass has */
     }
 }
@@ -287,7 +297,7 @@ static void count_arithmetic(const module *m, uint32_t at, double ops[COST_CLASS
     else if (op >= SpvOpIsNan && op <= SpvOpFUnordGreaterThanEqual) ops[COST_COMPARE] += n;
 }
 
-/* ------------------------------------------------------------------------------------------------- blocks of one function */
+/* ------------------------------------------------------------------------------------------- blocks of one function */
 
 typedef struct block {
     uint32_t label, at, end; /* at: its OpLabel, end: its terminator */
@@ -301,7 +311,7 @@ typedef struct loop {
     int test;      /* block whose branch ends it after `trips` rounds */
     int trips;     /* NONE: unknown */
     int slot;      /* among the loops of unknown length */
-    cost_counts all;
+    cost_counts all[2]; /* all rounds and the last one, which ends by a branch elsewhere; by the test */
 } loop;
 
 /* What is known of a 32-bit scalar. */
@@ -333,7 +343,8 @@ static int read_blocks(flow *f, uint32_t at)
     module *m = f->m;
     int open = 0;
     const uint32_t start = at;
-    for (; at < m->count && opcode(m, at) != SpvOpFunctionEnd; at += length(m, at)) f->count += opcode(m, at) == SpvOpLabel;
+    for (; at < m->count && opcode(m, at) != SpvOpFunctionEnd; at += length(m, at))
+        f->count += opcode(m, at) == SpvOpLabel;
     if (at >= m->count) return fail(m, "a function without an end");
     if (f->count == 0 || f->count > BLOCKS_MAX) return fail(m, "a function without blocks, or with too many");
     f->blocks = (block *)calloc((size_t)f->count, sizeof *f->blocks);
@@ -399,7 +410,7 @@ static int sort_blocks(flow *f)
     int depth = 1, done = 0, b, k;
     f->order = (int *)malloc((size_t)f->count * sizeof *f->order);
     if (!stack || !f->order) { free(stack); return fail(f->m, "out of memory"); }
-    for (b = 0; b < f->count; ++b) { f->blocks[b].order = f->blocks[b].loop = f->blocks[b].idom = NONE; next[b] = NONE; }
+    for (b = 0; b < f->count; ++b) next[b] = f->blocks[b].order = f->blocks[b].loop = f->blocks[b].idom = NONE;
     stack[0] = 0;
     next[0] = 0;
     while (depth) {
@@ -430,7 +441,8 @@ static int find_predecessors(flow *f)
     f->pred_first = first;
     if (!first || !f->preds) return fail(f->m, "out of memory");
     for (b = 0; b < f->count; ++b)
-        for (k = 0; f->blocks[b].order != NONE && k < f->blocks[b].succs; ++k) ++first[f->succ[f->blocks[b].first + k] + 2];
+        for (k = 0; f->blocks[b].order != NONE && k < f->blocks[b].succs; ++k)
+            ++first[f->succ[f->blocks[b].first + k] + 2];
     for (b = 0; b < f->count; ++b) first[b + 2] += first[b + 1];
     for (b = 0; b < f->count; ++b)
         for (k = 0; f->blocks[b].order != NONE && k < f->blocks[b].succs; ++k)
@@ -457,8 +469,10 @@ static void find_dominators(flow *f)
         for (k = 1; k < f->reached; ++k) {
             const int b = f->order[k];
             int idom = NONE;
-            for (p = f->pred_first[b]; p < f->pred_first[b + 1]; ++p)
-                if (f->blocks[f->preds[p]].idom != NONE) idom = idom == NONE ? f->preds[p] : common(f, idom, f->preds[p]);
+            for (p = f->pred_first[b]; p < f->pred_first[b + 1]; ++p) {
+                const int from = f->preds[p];
+                if (f->blocks[from].idom != NONE) idom = idom == NONE ? from : common(f, idom, from);
+            }
             if (f->blocks[b].idom != idom) { f->blocks[b].idom = idom; changed = 1; }
         }
     }
@@ -470,7 +484,7 @@ static int dominates(const flow *f, int a, int b)
     return a == b;
 }
 
-/* ----------------------------------------------------------------------------------------------------------------- loops */
+/* ------------------------------------------------------------------------------------------------------------ loops */
 
 static int is_in(const flow *f, int inner, int outer)
 {
@@ -527,7 +541,7 @@ static int find_loops(flow *f)
     return ok;
 }
 
-/* ------------------------------------------------------------------------------------- values that are known beforehand */
+/* --------------------------------------------------------------------------------- values that are known beforehand */
 
 static value eval(const flow *f, uint32_t id, int *budget);
 
@@ -560,7 +574,8 @@ static value of_integers(uint32_t op, uint32_t a, uint32_t b)
     case SpvOpUDiv: case SpvOpSDiv: case SpvOpUMod: case SpvOpSMod: case SpvOpSRem: return divide(op, a, b);
     case SpvOpShiftLeftLogical: return b < 32 ? known(a << b) : unknown();
     case SpvOpShiftRightLogical: return b < 32 ? known(a >> b) : unknown();
-    case SpvOpShiftRightArithmetic: return b < 32 ? known((a >> b) | (to_int(a) < 0 ? ~(0xffffffffu >> b) : 0)) : unknown();
+    case SpvOpShiftRightArithmetic:
+        return b < 32 ? known((a >> b) | (to_int(a) < 0 ? ~(0xffffffffu >> b) : 0)) : unknown();
     case SpvOpBitwiseAnd: return known(a & b);
     case SpvOpBitwiseOr: return known(a | b);
     case SpvOpBitwiseXor: return known(a ^ b);
@@ -629,10 +644,10 @@ static value option_value(const flow *f, uint32_t pointer, int *budget)
     const uint32_t chain = def(m, pointer), base = def(m, word(m, chain, 3));
     const uint32_t type = word(m, def(m, word(m, base, 1)), 3), id = word(m, base, 2);
     value member;
-    uint32_t at, offset = 0, k, bits;
-    if (opcode(m, chain) != SpvOpAccessChain || length(m, chain) != 5 || opcode(m, base) != SpvOpVariable) return unknown();
+    uint32_t at, offset, k, bits;
+    if (opcode(m, chain) != SpvOpAccessChain || length(m, chain) != 5) return unknown();
+    if (opcode(m, base) != SpvOpVariable || word(m, base, 3) != SpvStorageClassUniform) return unknown();
     if (m->set[id] > 0 || m->binding[id] != (int32_t)m->plan->constants_slot || !m->pass->constants) return unknown();
-    if (word(m, base, 3) != SpvStorageClassUniform) return unknown();
     member = eval(f, word(m, chain, 4), budget);
     if (!member.known) return unknown();
     for (at = 5; at < m->count; at += length(m, at))
@@ -653,7 +668,7 @@ static value option_value(const flow *f, uint32_t pointer, int *budget)
 static value eval_phi(const flow *f, uint32_t at, int *budget)
 {
     const module *m = f->m;
-    uint32_t k, taken = 0, start = at;
+    uint32_t k, taken = 0, branch;
     int b = NONE, idom, side, p, n;
     value c;
     for (n = 0; n < f->count && b == NONE; ++n) /* the block it is in */
@@ -661,10 +676,10 @@ static value eval_phi(const flow *f, uint32_t at, int *budget)
     if (b == NONE || f->blocks[b].order <= 0) return unknown();
     if (f->blocks[b].loop != NONE && f->loops[f->blocks[b].loop].header == b) return unknown();
     idom = f->blocks[b].idom;
-    start = f->blocks[idom].end;
-    if (opcode(m, start) != SpvOpBranchConditional) return unknown();
-    c = eval(f, word(m, start, 1), budget);
-    side = c.known ? block_of(f, word(m, start, c.bits ? 2 : 3)) : NONE;
+    branch = f->blocks[idom].end;
+    if (opcode(m, branch) != SpvOpBranchConditional) return unknown();
+    c = eval(f, word(m, branch, 1), budget);
+    side = c.known ? block_of(f, word(m, branch, c.bits ? 2 : 3)) : NONE;
     if (side == NONE) return unknown();
     for (k = 3; k + 1 < length(m, at); k += 2) {
         p = block_of(f, word(m, at, k + 1));
@@ -715,7 +730,8 @@ static value eval_operation(const flow *f, uint32_t at, int *budget)
     b = eval(f, word(m, at, 4), budget);
     if (op >= SpvOpLogicalEqual && op <= SpvOpLogicalAnd) return eval_logic(op, a, b);
     if (!a.known || !b.known) return unknown();
-    return is_float(m, word(m, at, 3)) ? of_floats(op, to_float(a.bits), to_float(b.bits)) : of_integers(op, a.bits, b.bits);
+    if (is_float(m, word(m, at, 3))) return of_floats(op, to_float(a.bits), to_float(b.bits));
+    return of_integers(op, a.bits, b.bits);
 }
 
 /* A scalar of 32 bits or a bool. budget: instructions that may still be looked at. */
@@ -734,18 +750,16 @@ static value eval(const flow *f, uint32_t id, int *budget)
     case SpvOpConstantFalse: case SpvOpSpecConstantFalse: case SpvOpConstantNull: return known(0);
     case SpvOpLoad: return option_value(f, word(m, at, 3), budget);
     case SpvOpPhi: return eval_phi(f, at, budget);
-    case SpvOpCompositeExtract:
+    case SpvOpCompositeExtract: /* of what is made of scalars */
         from = def(m, word(m, at, 3));
         if (opcode(m, from) != SpvOpConstantComposite && opcode(m, from) != SpvOpCompositeConstruct) return unknown();
-        if (length(m, at) != 5 || word(m, at, 4) > 16) return unknown();
-        /* of vectors that are made of scalars: eval refuses anything else */
-        return length(m, from) - 3 == (uint32_t)components_of(m, word(m, at, 3)) ? eval(f, word(m, from, 3 + word(m, at, 4)), budget)
-                                                                                 : unknown();
+        if (length(m, at) != 5 || length(m, from) - 3 != (uint32_t)components_of(m, word(m, at, 3))) return unknown();
+        return word(m, at, 4) < length(m, from) ? eval(f, word(m, from, 3 + word(m, at, 4)), budget) : unknown();
     default: return eval_operation(f, at, budget);
     }
 }
 
-/* ----------------------------------------------------------------------------------------------------------- trip counts */
+/* ------------------------------------------------------------------------------------------------------ trip counts */
 
 static value eval_id(const flow *f, uint32_t id)
 {
@@ -829,7 +843,7 @@ static void count_trips(flow *f, int l)
     free(tests);
 }
 
-/* -------------------------------------------------------------------------------------------------- costs of one function */
+/* -------------------------------------------------------------------------------------------- costs of one function */
 
 static const function *count_function(module *m, uint32_t id, int depth);
 
@@ -849,8 +863,8 @@ static int count_block(flow *f, const block *b, int depth, cost_counts *c)
     return 1;
 }
 
-/* The node of block b in the graph of a region (a loop, or NONE: the function), in which inner loops are one node, their header.
- * NONE: b is outside. */
+/* The node of block b in the graph of a region (a loop, or NONE: the function), in which inner loops are one node,
+ * their header. NONE: b is outside. */
 static int node_of(const flow *f, int b, int region)
 {
     int l = f->blocks[b].loop, inner = NONE;
@@ -862,9 +876,10 @@ static int node_of(const flow *f, int b, int region)
 typedef struct region {
     cost_counts round;  /* from the header back to it */
     cost_counts test;   /* to the test and out */
-    cost_counts before; /* out by other ways, which a last round may take, */
+    cost_counts before; /* out by other ways, which the last round may take too, */
     cost_counts after;  /* or not, since the test comes first */
     cost_counts most;   /* to anywhere */
+    int         early;  /* there are such ways as `before` */
 } region;
 
 static int count_region(flow *f, int l, int depth, region *r)
@@ -875,18 +890,21 @@ static int count_region(flow *f, int l, int depth, region *r)
     for (k = 0; k < f->reached; ++k)
         if (node_of(f, f->order[k], l) == f->order[k]) memset(&f->path[f->order[k]], 0, sizeof *f->path);
     for (k = f->blocks[header].order; k < f->reached; ++k) {
-        const int b = f->order[k], node = node_of(f, b, l);
-        cost_counts *here = node == NONE ? NULL : &f->path[node];
+        const int b = f->order[k], node = node_of(f, b, l), inner = node == NONE ? NONE : f->blocks[node].loop;
+        cost_counts here;
         if (node == NONE) continue;
-        if (node == b && f->blocks[b].loop != l) add(here, &f->loops[f->blocks[b].loop].all, 1);
-        else if (node == b && !count_block(f, &f->blocks[b], depth, here)) return 0;
-        raise_to(&r->most, here);
+        here = f->path[node];
+        if (inner != l) add(&here, &f->loops[inner].all[b == f->loops[inner].test], 1);
+        else if (!count_block(f, &f->blocks[b], depth, &here)) return 0;
+        raise_to(&r->most, &here);
         for (e = 0; e < f->blocks[b].succs; ++e) {
             const int s = f->succ[f->blocks[b].first + e], to = node_of(f, s, l);
-            if (l != NONE && s == header) raise_to(&r->round, here);
-            else if (to == NONE)
-                raise_to(b == test ? &r->test : test != NONE && dominates(f, test, b) ? &r->after : &r->before, here);
-            else if (to != node) raise_to(&f->path[to], here);
+            if (l != NONE && s == header) raise_to(&r->round, &here);
+            else if (to == NONE) {
+                const int after = test != NONE && dominates(f, test, b);
+                raise_to(b == test ? &r->test : after ? &r->after : &r->before, &here);
+                r->early |= !after;
+            } else if (to != node) raise_to(&f->path[to], &here);
         }
     }
     return 1;
@@ -897,21 +915,22 @@ static int count_loop(flow *f, int l, int depth)
 {
     loop *to = &f->loops[l];
     region r;
-    cost_counts other;
-    memset(&to->all, 0, sizeof to->all);
     if (!count_region(f, l, depth, &r)) return 0;
     if (to->trips == NONE) {
         f->m->out->step[to->slot] = r.most;
-        to->all.enters[to->slot] = 1;
+        to->all[0].enters[to->slot] = to->all[1].enters[to->slot] = 1;
         return 1;
     }
-    raise_to(&to->all, &r.test);
-    raise_to(&to->all, &r.before);
-    add(&to->all, &r.round, to->trips);
-    if (to->trips == 0) return 1;
-    other = r.after;
-    add(&other, &r.round, to->trips - 1);
-    raise_to(&to->all, &other);
+    to->all[1] = r.test;
+    add(&to->all[1], &r.round, to->trips);
+    if (to->trips > 0) { /* the last round that passes the test may end behind it */
+        to->all[0] = r.after;
+        add(&to->all[0], &r.round, to->trips - 1);
+    }
+    if (r.early) {
+        add(&r.before, &r.round, to->trips);
+        raise_to(&to->all[0], &r.before);
+    }
     return 1;
 }
 
@@ -930,7 +949,7 @@ static int count_loops(flow *f, int depth)
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------------------- registers */
+/* -------------------------------------------------------------------------------------------------------- registers */
 
 typedef struct liveness {
     int       count, words; /* values; 64-bit words of a set */
@@ -1069,7 +1088,7 @@ static int count_registers(flow *f, int *registers)
     return ok;
 }
 
-/* --------------------------------------------------------------------------------------------------------------- modules */
+/* ---------------------------------------------------------------------------------------------------------- modules */
 
 static void free_flow(flow *f)
 {
@@ -1144,421 +1163,4 @@ int cost_of_words(const hbil_plan *plan, int32_t pass, const uint32_t *words, si
     free(m.binding);
     free(m.functions);
     return main_function != NULL;
-}
-
-/* ----------------------------------------------------------------------------------------------------------------- plans */
-
-/* Texts that were compiled already: most options change one pass of many. */
-typedef struct compiled { char *text; uint32_t *words; size_t count; } compiled;
-typedef struct cache { compiled *items; int count; } cache;
-
-static void cache_free(cache *c)
-{
-    while (c->count--) {
-        free(c->items[c->count].text);
-        free(c->items[c->count].words);
-    }
-    free(c->items);
-}
-
-/* The text behind the head, which names the whole config. */
-static const char *body(const char *text)
-{
-    const char *at = strstr(text, "\nlayout(");
-    return at ? at : text;
-}
-
-static const compiled *cache_get(cache *c, const char *text)
-{
-    compiled *grown, *to;
-    int i;
-    for (i = 0; i < c->count; ++i)
-        if (strcmp(body(c->items[i].text), body(text)) == 0) return &c->items[i];
-    grown = (compiled *)realloc(c->items, (size_t)(c->count + 1) * sizeof *c->items);
-    if (!grown) return NULL;
-    c->items = grown;
-    to = &c->items[c->count];
-    to->text = (char *)malloc(strlen(text) + 1);
-    to->words = (uint32_t *)malloc(WORDS_MAX * sizeof *to->words);
-    if (to->text && to->words
-        && hbil_glslang_optimize(text, HBIL_TARGET_VULKAN, to->words, WORDS_MAX, &to->count, NULL, 0) == HBIL_GLSLANG_OK) {
-        uint32_t *fits = (uint32_t *)realloc(to->words, to->count * sizeof *to->words);
-        if (fits) to->words = fits;
-        strcpy(to->text, text);
-        ++c->count;
-        return to;
-    }
-    free(to->text);
-    free(to->words);
-    return NULL;
-}
-
-/* plan: of target=vulkan. */
-static int count_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cache *c, cost *out)
-{
-    static const hook_file none = { NULL, NULL };
-    const hook_file *with = hook ? hook : &none;
-    const compiled *words;
-    size_t size;
-    char *text = build_glsl(plan, pass, with->text, &size, NULL);
-    words = text ? cache_get(c, text) : NULL;
-    free(text);
-    if (!words) { /* build_pass finds out whose fault it is, and says so */
-        file f = { "", NULL, 0 };
-        const int code = build_pass(plan, pass, 1, with, &f);
-        free(f.data);
-        if (code == DONE) fprintf(stderr, "shadergen: spirv-opt refused pass %s\n", plan->passes[pass].name);
-        return code == DONE ? COMPILER : code;
-    }
-    if (cost_of_words(plan, pass, words->words, words->count, out)) return DONE;
-    fprintf(stderr, "shadergen: cannot count pass %s: %s\n", plan->passes[pass].name, out->error);
-    return COMPILER;
-}
-
-static int as_vulkan(const hbil_plan *plan, hbil_plan *to)
-{
-    hbil_config c = plan->config;
-    c.target = HBIL_TARGET_VULKAN;
-    return hbil_plan_build(&c, to, NULL) == HBIL_OK ? DONE : CONFIG;
-}
-
-int cost_of_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cost *out)
-{
-    hbil_plan vulkan;
-    cache c = { NULL, 0 };
-    int code = as_vulkan(plan, &vulkan);
-    if (code != DONE || pass < 0 || pass >= (int32_t)vulkan.pass_count) return CONFIG;
-    if (!hbil_glslang_init()) { fprintf(stderr, "shadergen: glslang does not start\n"); return IO; }
-    code = count_pass(&vulkan, pass, hook, &c, out);
-    cache_free(&c);
-    hbil_glslang_shutdown();
-    return code;
-}
-
-/* The walk of a LINES grid: the one loop that an invocation enters. NONE: no such grid. */
-static int walk_of(const hbil_plan *plan, int32_t pass, const cost *c)
-{
-    int k;
-    for (k = 0; k < c->loops && plan->passes[pass].grid == HBIL_GRID_LINES; ++k)
-        if (c->fixed.enters[k] > 0) return k;
-    return NONE;
-}
-
-void cost_per_pixel(const hbil_plan *plan, int32_t pass, const cost *c, cost_counts *out)
-{
-    const int walk = walk_of(plan, pass, c);
-    memset(out, 0, sizeof *out);
-    if (walk == NONE) *out = c->fixed;
-    else add(out, &c->step[walk], plan->textures[plan->passes[pass].domain].layers);
-}
-
-/* Adds to `to` one step of each loop that is entered, and of those that such a step enters. */
-static void add_steps(const cost *c, const cost_counts *from, double factor, int depth, cost_counts *to)
-{
-    int k;
-    for (k = 0; k < c->loops && depth < COST_LOOPS_MAX; ++k) {
-        if (from->enters[k] <= 0) continue;
-        add(to, &c->step[k], factor * from->enters[k]);
-        add_steps(c, &c->step[k], factor * from->enters[k], depth + 1, to);
-    }
-}
-
-static double pixels_of(const hbil_plan *plan, int32_t pass)
-{
-    const double div = plan->textures[plan->passes[pass].domain].div;
-    return div * div;
-}
-
-static void add_to_total(const hbil_plan *plan, int32_t pass, const cost *c, cost_total *t)
-{
-    cost_counts pixel;
-    cost_per_pixel(plan, pass, c, &pixel);
-    add(&t->fixed, &pixel, 1 / pixels_of(plan, pass));
-    add_steps(c, &pixel, 1 / pixels_of(plan, pass), 0, &t->loops);
-    memset(t->fixed.enters, 0, sizeof t->fixed.enters);
-    memset(t->loops.enters, 0, sizeof t->loops.enters);
-    t->unknown += c->loops - (walk_of(plan, pass, c) != NONE);
-    if (c->registers > t->registers) t->registers = c->registers;
-}
-
-static int count_plan(const hbil_plan *plan, const hook_file *hook, cache *c, cost *one, cost_total *t)
-{
-    int32_t pass;
-    int code = DONE;
-    memset(t, 0, sizeof *t);
-    for (pass = 0; pass < (int32_t)plan->pass_count && code == DONE; ++pass) {
-        code = count_pass(plan, pass, hook, c, one);
-        if (code == DONE) add_to_total(plan, pass, one, t);
-    }
-    return code;
-}
-
-int cost_of_plan(const hbil_plan *plan, const hook_file *hook, cost_total *out)
-{
-    hbil_plan vulkan;
-    cache c = { NULL, 0 };
-    cost *one = (cost *)malloc(sizeof *one);
-    int code = as_vulkan(plan, &vulkan);
-    if (!one || !hbil_glslang_init()) {
-        free(one);
-        fprintf(stderr, "shadergen: out of memory, or glslang does not start\n");
-        return IO;
-    }
-    if (code == DONE) code = count_plan(&vulkan, hook, &c, one, out);
-    cache_free(&c);
-    free(one);
-    hbil_glslang_shutdown();
-    return code;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------- report */
-
-#define NAME_WIDTH 34
-
-static const char *const access_names[COST_ACCESSES] = { "fetch", "load", "store", "atomic" };
-
-/* A number in a column; differences carry their sign. */
-static void print_number(FILE *out, int width, double x, int sign)
-{
-    char text[32];
-    const int whole = fabs(x - floor(x + 0.5)) < 1e-6 || fabs(x) >= 10000;
-    if (fabs(x) < 0.005) snprintf(text, sizeof text, "%s", sign ? "." : "0");
-    else snprintf(text, sizeof text, sign ? "%+.*f" : "%.*f", whole ? 0 : fabs(x) < 1 ? 2 : 1, x);
-    fprintf(out, " %*s", width, text);
-}
-
-static void print_row(FILE *out, const char *name, const cost_counts *c, int registers, int sign)
-{
-    int k;
-    fprintf(out, "%-*s", NAME_WIDTH, name);
-    for (k = 0; k < COST_ACCESSES; ++k) print_number(out, 6, c->access[k], sign);
-    fputs(" |", out);
-    print_number(out, 7, c->bytes_read, sign);
-    print_number(out, 7, c->bytes_written, sign);
-    fputs(" |", out);
-    for (k = 0; k < COST_CLASSES; ++k) print_number(out, k == COST_FLOAT ? 7 : 6, c->ops[k], sign);
-    fputs(" |", out);
-    if (registers == NONE) fputc('\n', out);
-    else { print_number(out, 4, registers, sign); fputc('\n', out); }
-}
-
-static void print_head(FILE *out, const char *first)
-{
-    fprintf(out, "%-*s", NAME_WIDTH, first);
-    fprintf(out, " %6s %6s %6s %6s | %7s %7s | %7s %6s %6s %6s %6s %6s %6s %6s | %4s\n", "fetch", "load", "store", "atomic",
-            "read", "written", "float", "div", "root", "sin..", "int", "conv", "comp", "branch", "regs");
-}
-
-/* "fetch view_depth 37, view_normal 1", a line for each kind that there is. */
-static void print_textures(FILE *out, const hbil_plan *plan, const cost_counts *c)
-{
-    int a;
-    uint32_t t;
-    for (a = 0; a < COST_ACCESSES; ++a) {
-        double rest = c->access[a];
-        const char *comma = "";
-        if (c->access[a] <= 0) continue;
-        fprintf(out, "    %s ", access_names[a]);
-        for (t = 0; t < plan->texture_count; ++t) {
-            if (c->texture[a][t] <= 0) continue;
-            fprintf(out, "%s%s %.10g", comma, plan->textures[t].name, c->texture[a][t]);
-            comma = ", ";
-            rest -= c->texture[a][t];
-        }
-        if (!*comma) fprintf(out, "the hook's own %.10g", rest);
-        fputc('\n', out);
-    }
-    if (c->shared > 0) fprintf(out, "    shared memory: %.10g values loaded or stored\n", c->shared);
-}
-
-/* The loops of unknown length: how often a unit of `pass` enters each. */
-static void print_loops(FILE *out, const hbil_plan *plan, const cost *c, int walk)
-{
-    int k, j;
-    char name[96];
-    for (k = 0; k < c->loops; ++k) {
-        if (k == walk) continue;
-        snprintf(name, sizeof name, "  each step of loop %d", k + 1);
-        print_row(out, name, &c->step[k], NONE, 0);
-        print_textures(out, plan, &c->step[k]);
-        if (c->fixed.enters[k] > 0) fprintf(out, "    entered %.10g times\n", c->fixed.enters[k]);
-        for (j = 0; j < c->loops; ++j) {
-            if (c->step[j].enters[k] <= 0) continue;
-            fprintf(out, "    entered %.10g times by each step of ", c->step[j].enters[k]);
-            if (j == walk) fputs("the walk\n", out);
-            else fprintf(out, "loop %d\n", j + 1);
-        }
-    }
-}
-
-static void print_pass(FILE *out, const hbil_plan *plan, int32_t pass, const cost *c)
-{
-    const hbil_texture *domain = &plan->textures[plan->passes[pass].domain];
-    const int walk = walk_of(plan, pass, c);
-    char name[96];
-    if (walk != NONE) snprintf(name, sizeof name, "%s, a line", plan->passes[pass].name);
-    else if (domain->div == 1) snprintf(name, sizeof name, "%s", plan->passes[pass].name);
-    else snprintf(name, sizeof name, "%s, %d x %d pixels", plan->passes[pass].name, domain->div, domain->div);
-    print_row(out, name, &c->fixed, c->registers, 0);
-    print_textures(out, plan, &c->fixed);
-    if (walk != NONE) {
-        print_row(out, "  each step of the walk", &c->step[walk], NONE, 0);
-        print_textures(out, plan, &c->step[walk]);
-        if (domain->div == 1) fprintf(out, "    a pixel has %d: one in each layer of %s\n", domain->layers, domain->name);
-        else fprintf(out, "    %d x %d pixels have %d: one in each layer of %s\n", domain->div, domain->div, domain->layers,
-                     domain->name);
-    }
-    print_loops(out, plan, c, walk);
-}
-
-static int differs(const cost_counts *a, const cost_counts *b)
-{
-    const double *x = (const double *)a, *y = (const double *)b;
-    int k;
-    for (k = 0; k < METRICS; ++k)
-        if (fabs(x[k] - y[k]) > 1e-9) return 1;
-    return 0;
-}
-
-/* What a value costs: the plan less the one without it. ~: loops of unknown length differ, too. */
-static void print_difference(FILE *out, const char *name, const cost_total *with, const cost_total *without)
-{
-    cost_counts d = with->fixed;
-    char text[160];
-    add(&d, &without->fixed, -1);
-    snprintf(text, sizeof text, "  %s%s", name, differs(&with->loops, &without->loops) ? " ~" : "");
-    print_row(out, text, &d, with->registers - without->registers, 1);
-}
-
-/* Value of an option as hbil_config_print spells it. */
-static void value_text(const hbil_config *config, const char *option, char *buf, size_t cap)
-{
-    char all[4096], name[64];
-    const char *at;
-    hbil_config_print(config, 1, all, sizeof all, NULL);
-    snprintf(name, sizeof name, "%s=", option);
-    at = strstr(all, name);
-    while (at && at != all && at[-1] != ' ') at = strstr(at + 1, name);
-    snprintf(buf, cap, "%.*s", at ? (int)strcspn(at, " ") : 0, at ? at : "");
-}
-
-typedef struct report {
-    FILE             *out;
-    const hbil_plan  *plan; /* of target=vulkan */
-    const hook_file  *hook;
-    cache             cache;
-    cost              one;
-    cost_total        total, without;
-    time_t            start;
-    hbil_plan         other;
-} report;
-
-static int print_without(report *r, const char *name, const hbil_config *config)
-{
-    hbil_diag item;
-    hbil_diags diags = { &item, 1, 0 };
-    int code;
-    memset(&item, 0, sizeof item);
-    if (hbil_plan_build(config, &r->other, &diags) != HBIL_OK) {
-        fprintf(r->out, "  %-*s cannot go alone: %s\n", NAME_WIDTH - 2, name, item.text);
-        return DONE;
-    }
-    if (r->other.hash == r->plan->hash) return DONE;
-    if (time(NULL) - r->start >= 2) fprintf(stderr, "shadergen: cost: without %s\n", name);
-    code = count_plan(&r->other, r->hook, &r->cache, &r->one, &r->without);
-    if (code == DONE) print_difference(r->out, name, &r->total, &r->without);
-    return code;
-}
-
-/* Members of a set, each switched off alone; the last output cannot go. */
-static int print_members(report *r, const hbil_option *o, uint32_t bits)
-{
-    const char *at = o->choices;
-    uint32_t bit = 1;
-    int code = DONE;
-    for (; *at && code == DONE; at += strcspn(at, " "), at += strspn(at, " "), bit <<= 1) {
-        hbil_config c = r->plan->config;
-        const uint32_t rest = bits & ~bit;
-        char name[96];
-        if (!(bits & bit) || (rest == 0 && o->def > 0)) continue;
-        memcpy((char *)&c + o->offset, &rest, sizeof rest);
-        snprintf(name, sizeof name, "%s+%.*s", o->name, (int)strcspn(at, " "), at);
-        code = print_without(r, name, &c);
-    }
-    return code;
-}
-
-static int is_default(const hbil_option *o, uint32_t bits)
-{
-    return o->kind == HBIL_KIND_FLOAT ? !(to_float(bits) < (float)o->def || to_float(bits) > (float)o->def)
-                                      : bits == (uint32_t)o->def;
-}
-
-static int print_options(report *r)
-{
-    int32_t i;
-    int code = DONE;
-    for (i = 0; i < hbil_option_count() && code == DONE; ++i) {
-        const hbil_option *o = hbil_option_at(i);
-        hbil_config c = r->plan->config;
-        const uint32_t none = 0;
-        uint32_t bits;
-        char name[96];
-        memcpy(&bits, (const char *)&c + o->offset, sizeof bits);
-        if (strcmp(o->name, "target") == 0) continue;
-        if (o->kind == HBIL_KIND_SET) { code = print_members(r, o, bits); continue; }
-        if (is_default(o, bits)) continue;
-        memcpy((char *)&c + o->offset, &none, sizeof none);
-        value_text(&r->plan->config, o->name, name, sizeof name);
-        code = print_without(r, name, &c);
-    }
-    return code;
-}
-
-static int print_report(report *r)
-{
-    const hbil_plan *plan = r->plan;
-    char text[4096] = "";
-    int32_t pass;
-    int code = DONE;
-    hbil_config_print(&plan->config, 0, text, sizeof text, NULL);
-    fprintf(r->out, "# %s\n"
-            "# Counted from SPIR-V after spirv-opt. Upper bounds: each figure is of the way through the branches on which it is\n"
-            "# largest; loops run to their end; no read is shared or cached. Bytes: texels of the plan's formats; inputs of\n"
-            "# your own format: depth 4 (r32f), others 8 (rgba16f). Registers: most 32-bit values alive at once, an estimate.\n\n",
-            *text ? text : "the default of every option");
-    print_head(r->out, "pass, of each pixel of its grid");
-    for (pass = 0; pass < (int32_t)plan->pass_count && code == DONE; ++pass) {
-        code = count_pass(plan, pass, r->hook, &r->cache, &r->one);
-        if (code != DONE) return code;
-        print_pass(r->out, plan, pass, &r->one);
-        add_to_total(plan, pass, &r->one, &r->total);
-    }
-    fputc('\n', r->out);
-    print_row(r->out, "all, of each pixel of the frame", &r->total.fixed, r->total.registers, 0);
-    if (r->total.unknown) print_row(r->out, "and a step of each unknown loop", &r->total.loops, NONE, 0);
-    fputc('\n', r->out);
-    print_head(r->out, "what each option adds to all");
-    return print_options(r);
-}
-
-int cost_print(FILE *out, const hbil_plan *plan, const hook_file *hook)
-{
-    hbil_plan vulkan;
-    report *r = (report *)calloc(1, sizeof *r);
-    int code = as_vulkan(plan, &vulkan);
-    if (!r || !hbil_glslang_init()) {
-        free(r);
-        fprintf(stderr, "shadergen: out of memory, or glslang does not start\n");
-        return IO;
-    }
-    r->out = out;
-    r->plan = &vulkan;
-    r->hook = hook;
-    r->start = time(NULL);
-    if (code == DONE) code = print_report(r);
-    cache_free(&r->cache);
-    free(r);
-    hbil_glslang_shutdown();
-    return code;
 }

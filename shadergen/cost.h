@@ -1,15 +1,17 @@
 /* cost.h - what a pass costs a pixel, counted from its SPIR-V: texture accesses, arithmetic, bytes, registers.
  *
- * Every figure is an upper bound of its own: that of the way through the branches on which it is largest; every loop runs to
- * its end; no read is shared or cached. Trip counts are found by running the induction variable, from a constant through
- * constants and dynamic options (the values of plan->config). Loops whose length only the data knows are counted apart, per step.
+ * Every figure is an upper bound of its own: that of the way through the branches on which it is largest; every loop
+ * runs to its end; no read is shared or cached. Trip counts are found by running the induction variable, from a
+ * constant through constants and dynamic options (the values of plan->config). Loops whose length only the data knows
+ * are counted apart, per step.
  *
- * floats     each component of a vector counts: a dot product of 3 is 5, fma 2, mix 3, a length adds one root to its dot product.
- * divide     also of integers, unless by a constant. absolute values and signs are free: they are modifiers.
- * bytes      texels of the plan's formats. Formats of your own: depth 4 (r32f), all others 8 (rgba16f). A filtered read is one
- *            texel; an atomic reads and writes one.
- * registers  most 32-bit values that are alive at once, arrays included, constants and uniforms not yet read left out. What a
- *            compiler makes of it is its own affair: an estimate, to compare configs with. */
+ * floats     each component of a vector counts: a dot product of 3 is 5, fma 2, mix 3, a length its dot product and a
+ *            root. absolute values and signs are free: they are modifiers.
+ * divide     also of integers, unless by a constant.
+ * bytes      texels of the plan's formats. Formats of your own: depth 4 (r32f), all others 8 (rgba16f). A filtered read
+ *            is one texel; an atomic reads and writes one.
+ * registers  most 32-bit values that are alive at once, arrays included, constants left out. What a compiler makes of
+ *            it is its own affair: an estimate, to compare configs with. */
 #ifndef SHADERGEN_COST_H
 #define SHADERGEN_COST_H
 
@@ -21,8 +23,8 @@
 
 enum { COST_FETCH, COST_LOAD, COST_STORE, COST_ATOMIC, COST_ACCESSES }; /* sampled; image; image; image */
 
-/* Floats: add, multiply. Root: sqrt, inversesqrt. Transcendental: sin, cos, exp, log, pow, acos, atan and kin. Integer: bits too.
- * Convert: rounding and packing too. Compare: min, max, clamp, select, logic too. Branch: conditional ones, switches. */
+/* Float: add, multiply. Root: sqrt, inversesqrt. Transcendental: sin, cos, exp, log, pow, acos, atan and kin. Integer:
+ * bits too. Convert: rounding, packing too. Compare: min, max, clamp, select, logic too. Branch: conditional ones. */
 enum { COST_FLOAT, COST_DIVIDE, COST_ROOT, COST_TRANSCENDENTAL, COST_INTEGER, COST_CONVERT, COST_COMPARE, COST_BRANCH,
        COST_CLASSES };
 
@@ -52,16 +54,19 @@ typedef struct cost_total {
     int32_t     unknown, registers; /* loops of unknown length; most registers of a pass */
 } cost_total;
 
-/* words: of a compute shader, as hbil_glslang_optimize makes them. Others are counted as well, but loops over variables that
- * are not in SSA form are of unknown length. Reads nothing outside the words, whatever is in them. 0: see out->error. */
+/* words: of a compute shader, as hbil_glslang_optimize makes them. Others are counted as well, but loops over variables
+ * that are not in SSA form are of unknown length. Whatever the words are, nothing outside of them is read. 1 on
+ * success, 0: see out->error. plan: of target=vulkan or gl, as the words are. */
 int  cost_of_words(const hbil_plan *plan, int32_t pass, const uint32_t *words, size_t count, cost *out);
-/* Makes the words and counts them. hook may be NULL. target=gl counts as vulkan. An exit code of build.h; says why on stderr. */
+/* Makes the words and counts them. hook may be NULL. target=gl counts as vulkan. An exit code of build.h; says why on
+ * stderr. */
 int  cost_of_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cost *out);
 int  cost_of_plan(const hbil_plan *plan, const hook_file *hook, cost_total *out);
-/* What a pixel of the pass's grid does, of which out->enters is left to multiply by the unknown. A walk of a LINES grid passes each
- * pixel once: a pixel has one step of it in each layer. */
+/* What a pixel of the pass's grid does; out->enters times the unknown comes on top. A walk of a LINES grid passes
+ * each pixel of its layer once: a pixel has one step of it in each layer. */
 void cost_per_pixel(const hbil_plan *plan, int32_t pass, const cost *c, cost_counts *out);
-/* The report: passes, totals, and what each option that is not the default, and each output, adds. An exit code of build.h. */
+/* The report: passes, totals, and what each option that is not the default, and each output, adds. An exit code of
+ * build.h. */
 int  cost_print(FILE *out, const hbil_plan *plan, const hook_file *hook);
 
 #endif
