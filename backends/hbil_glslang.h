@@ -20,8 +20,7 @@
  *   5. hbil_glslang_shutdown() at the end.
  *
  * CHANGELOG
- *   NEW hbil_glslang_optimize
- *   2026-11  NEW first version. */
+ *   2026-11  NEW first version, hbil_glslang_optimize. */
 #ifndef HBIL_GLSLANG_H
 #define HBIL_GLSLANG_H
 
@@ -100,8 +99,8 @@ static glslang_input_t hbil_glslang__input(const char *text, hbil_target target)
 }
 
 /* Parse, link and translate; the words stay in the program. */
-static int hbil_glslang__build(glslang_shader_t *shader, glslang_program_t *program, const glslang_input_t *in, int optimize,
-                               char *log, size_t log_cap)
+static int hbil_glslang__build(glslang_shader_t *shader, glslang_program_t *program, const glslang_input_t *in,
+                               int optimize, char *log, size_t log_cap)
 {
     const int parsed = glslang_shader_preprocess(shader, in) && glslang_shader_parse(shader, in);
     hbil_glslang__log(log, log_cap, glslang_shader_get_info_log(shader));

@@ -219,7 +219,7 @@ static void print_head(FILE *out, const char *first)
 {
     fprintf(out, "%-*s", NAME_WIDTH, first);
     fprintf(out, " %6s %6s %6s %6s | %7s %7s | %7s %6s %6s %6s %6s %6s %6s %6s | %4s\n", "fetch", "load", "store",
-            "atomic", "read", "written", "float", "div", "root", "sin..", "int", "conv", "comp", "branch", "regs");
+            "atomic", "read", "written", "float", "div", "root", "transc", "int", "conv", "comp", "branch", "regs");
 }
 
 /* "fetch view_depth 37, view_normal 1", a line for each kind that there is. */
