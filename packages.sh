@@ -11,7 +11,7 @@ set -eu
 # cmake runs ninja and, for the libraries, pkg-config; glslang's archives are C++, so g++ even for C programs.
 build='cmake ninja-build pkg-config gcc g++ libc6-dev'
 # text to SPIR-V, to HLSL and MSL, images, JSON, rays
-build="$build glslang-dev spirv-tools libspirv-cross-c-shared-dev libopenexr-dev libcjson-dev libstb-dev libembree-dev"
+build="$build glslang-dev spirv-tools spirv-headers libspirv-cross-c-shared-dev libopenexr-dev libcjson-dev libstb-dev libembree-dev"
 # Vulkan: headers, loader, meta loader, software driver
 build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 # GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver

@@ -5,6 +5,7 @@
 #include "../backends/hbil_glslang.h"
 
 #include "build.h"
+#include "cost.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -457,6 +458,15 @@ static int generate(const hbil_plan *plan, const arguments *a)
     return code;
 }
 
+static int report_cost(const hbil_plan *plan, const arguments *a)
+{
+    hook_file hook = { NULL, NULL };
+    int code = read_hook(plan, a, -1, &hook);
+    if (code == DONE) code = cost_print(stdout, plan, &hook);
+    free(hook.text);
+    return code;
+}
+
 static int print_config(const hbil_config *config)
 {
     hbil_config c;
@@ -613,6 +623,7 @@ static int run(int argc, char **argv)
     print_diags(&diags, NULL, &a);
     if (code != DONE) return code;
     if (a.action) return print_config(&config);
+    if (a.cost) return report_cost(&plan, &a);
     compiles = format_of(a.format) != GLSL && format_of(a.format) != MANIFEST;
     if (compiles && !hbil_glslang_init()) return usage("glslang does not start", "");
     code = generate(&plan, &a);
