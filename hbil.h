@@ -24,7 +24,7 @@
  * ======================================================================================================================
  * >>does
  *
- *   DOES       write GLSL for Vulkan and OpenGL; say what to allocate, bind, wait for and dispatch; pack the uniform block;
+ *   DOES       write GLSL for Vulkan, OpenGL and OpenGL ES; say what to allocate, bind, wait for and dispatch; pack the uniform block;
  *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask
  *              for; refuse combinations that have no meaning.
  *   DOES NOT   call a GPU, allocate, read files, compile SPIR-V (backends/hbil_glslang.h does), trace rays, or see what is off
@@ -153,14 +153,24 @@
  * ======================================================================================================================
  * >>targets
  *
- *                       vulkan (GLSL 450)        gl (GLSL 430 core)
- *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
- *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
- *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
- *                       reproject=scatter: imageAtomicMin on r32ui images
- *   storage images      up to 8 in a pass (temporal=yes with all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
- *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
- *   real GPU            untested                 untested
+ *                vulkan             gl                 gles                 gl, stage=fragment    gles, stage=fragment
+ *   text         GLSL 450           GLSL 430 core      ESSL 310             GLSL 330 core         ESSL 300
+ *   needs        Vulkan 1.0,        OpenGL 4.3         OpenGL ES 3.1        OpenGL 3.3            OpenGL ES 3.0,
+ *                no feature                                                                       EXT_color_buffer_float
+ *   outputs      storage images, of which a device     the same; made by    render targets, a layer each:
+ *                has at least 4     has at least 8     glTexStorage; 4      8                     4: more is refused
+ *   backend      hbil_vk.h          hbil_gl.h          hbil_gl.h            hbil_gl.h             hbil_gl.h
+ *   tested on    lavapipe           OSMesa, EGL        EGL                  OSMesa                EGL      all Mesa 22.3
+ *   real GPU     untested           untested           untested             untested              untested
+ *
+ *   HLSL and MSL     shadergen makes them from the text for vulkan; hbil_plan_register tells where they bind.
+ *   stage=fragment   a pass draws the three vertices of hbil_emit_vertex over its targets: bindings that are written, a location for each
+ *                    layer, viewport hbil_dispatch.groups. No blending, no tests, no depth. Samplers and the block HbilFrame go by their
+ *                    names. Not with march=sweep or both, reproject=scatter. Same numbers as compute shaders.
+ *   march=sweep      writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software rasterisers stop a shader
+ *                    after 65535 loop iterations: lines up to about 13000 pixels there.
+ *   reproject=scatter imageAtomicMin on r32ui images; in ES 3.1 GL_OES_shader_image_atomic.
+ *   temporal=yes     with all outputs of a bitmask writes 8 images in a pass, 3 with the defaults.
  */
 
 /* ======================================================================

@@ -429,6 +429,7 @@ static hbil_gl_result hbil_gl__check_version(hbil_gl *ctx)
     if (es != ctx->es || number[0] < '0' || number[0] > '9')
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not %s: ask for %s %s%s, or build the plan with "
                              "target=%s", version, kind, ctx->es ? kind : "OpenGL", need, ctx->es ? "" : " core", es ? "gles" : "gl");
+    if (es && number[0] == '3' && number[2] == '0') ctx->gl.getTexLevelParameteriv = NULL; /* some loaders know it, but it is of 3.1 */
     if (number[0] < need[0] || (number[0] == need[0] && number[2] < need[2]))
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", %s need %s: ask for a %s%s context when you "
                              "create it, or update the driver%s", version, ctx->draws ? "these shaders" : "compute shaders", need,

@@ -66,7 +66,7 @@ static const compiled *cache_get(cache *c, const char *text)
     return NULL;
 }
 
-/* plan: of target=vulkan. */
+/* plan: of target=vulkan, stage=compute. */
 static int count_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cache *c, cost *out)
 {
     static const hook_file none = { NULL, NULL };
@@ -92,6 +92,7 @@ static int as_vulkan(const hbil_plan *plan, hbil_plan *to)
 {
     hbil_config c = plan->config;
     c.target = HBIL_TARGET_VULKAN;
+    c.stage = HBIL_STAGE_COMPUTE;
     return hbil_plan_build(&c, to, NULL) == HBIL_OK ? DONE : CONFIG;
 }
 
@@ -381,7 +382,7 @@ static int print_options(report *r)
         uint32_t bits;
         char name[96];
         memcpy(&bits, (const char *)&c + o->offset, sizeof bits);
-        if (strcmp(o->name, "target") == 0) continue;
+        if (strcmp(o->name, "target") == 0 || strcmp(o->name, "stage") == 0) continue;
         if (o->kind == HBIL_KIND_SET) { code = print_members(r, o, bits); continue; }
         if (is_default(o, bits)) continue;
         memcpy((char *)&c + o->offset, &none, sizeof none);
