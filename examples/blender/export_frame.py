@@ -17,7 +17,9 @@ import bpy
 import bmesh
 from mathutils import Matrix, Vector
 
-DONE, USAGE, FILES, MISFIT, RENDER = 0, 2, 3, 4, 5
+DONE, FILES, MISFIT, RENDER = 0, 3, 4, 5     # 2, usage: argparse's own
+USAGE_LINES = '''blender -b FILE.blend --python export_frame.py -- --out DIR [options]
+       blender -b --python export_frame.py -- --demo --out DIR [options]'''
 
 
 class Fault(Exception):
@@ -53,7 +55,7 @@ def positive(text):
 def read_arguments():
     given = sys.argv[sys.argv.index('--') + 1:] if '--' in sys.argv else []
     parser = argparse.ArgumentParser(
-        prog='blender -b [FILE.blend] --python export_frame.py --', allow_abbrev=False,
+        prog='export_frame', usage=USAGE_LINES, allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
         description='Writes DIR/frame-NNN.exr and DIR/camera-NNN.json for hbil-frame. NNN: the number of the frame.',
         epilog=__doc__[__doc__.index('exit:'):])
     parser.add_argument('--out', metavar='DIR', required=True, help='made if need be')
@@ -131,7 +133,7 @@ def add_sphere(name, centre, radius, material):
 
 def look(camera, eye, target):
     camera.location = eye
-    camera.rotation_euler = (Vector(target) - Vector(eye)).to_track_quat('-Z', 'Y').to_euler()
+    camera.rotation_euler = (target - eye).to_track_quat('-Z', 'Y').to_euler()
 
 
 def make_demo():
@@ -140,13 +142,12 @@ def make_demo():
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new('black')
     scene.world.color = (0, 0, 0)
-    bpy.context.preferences.edit.keyframe_new_interpolation_type = 'LINEAR'
 
     white, red = diffuse('white', (.75, .75, .72)), diffuse('red', (.65, .07, .05))
     add_faces('floor', [(0, -6, 0), (6, -6, 0), (6, 0, 0), (0, 0, 0)], [(0, 1, 2, 3)], white)
-    add_faces('back', [(0, 0, 0), (6, 0, 0), (6, 0, 3), (0, 0, 3)], [(0, 1, 2, 3)], white)
-    add_faces('left', [(0, -6, 0), (0, 0, 0), (0, 0, 3), (0, -6, 3)], [(0, 1, 2, 3)], red)
-    add_faces('panel', [(3.2, -.02, 1.5), (4.6, -.02, 1.5), (4.6, -.02, 2.3), (3.2, -.02, 2.3)], [(0, 1, 2, 3)],
+    add_faces('back', [(0, 0, 0), (6, 0, 0), (6, 0, 2.2), (0, 0, 2.2)], [(0, 1, 2, 3)], white)
+    add_faces('left', [(0, -6, 0), (0, 0, 0), (0, 0, 2.2), (0, -6, 2.2)], [(0, 1, 2, 3)], red)
+    add_faces('panel', [(3.2, -.02, 1.1), (4.6, -.02, 1.1), (4.6, -.02, 1.8), (3.2, -.02, 1.8)], [(0, 1, 2, 3)],
               emissive('glow', (6, 4.2, 2.4)))
     add_box('tall', (1.1, -1.2), (.9, .9, 1.9), 18, diffuse('green', (.12, .5, .14)))
     add_box('low', (2.6, -.9), (1.2, .8, .6), -12, diffuse('yellow', (.75, .55, .08)))
@@ -159,13 +160,14 @@ def make_demo():
     sun.data.angle = math.radians(2)
     sun.rotation_euler = Vector((-.5, .3, -.9)).to_track_quat('-Z', 'Y').to_euler()
     camera = bpy.data.objects.new('camera', bpy.data.cameras.new('camera'))
-    camera.data.angle = math.radians(52)
+    camera.data.angle = math.radians(60)
     for thing in sun, camera:
         scene.collection.objects.link(thing)
     scene.camera = camera
-    for frame, eye, target, x in (0, (5.4, -5.8, 2.3), (1.9, -1.5, .75), 1), (10, (5.0, -6.0, 2.0), (2.2, -1.3, .7), 1.6):
-        look(camera, eye, target)
-        slider.location.x = x
+    eyes, targets = (Vector((5.4, -5.8, 2.3)), Vector((5, -6, 2))), (Vector((1.9, -1.5, .75)), Vector((2.2, -1.3, .7)))
+    for frame in range(11):             # a key each: then no interpolation matters
+        look(camera, eyes[0].lerp(eyes[1], frame / 10), targets[0].lerp(targets[1], frame / 10))
+        slider.location.x = 1 + .06 * frame
         for thing in camera, slider:
             thing.keyframe_insert('location', frame=frame)
             thing.keyframe_insert('rotation_euler', frame=frame)
@@ -178,12 +180,14 @@ def make_demo():
 def set_layer(scene, layer, truth):
     for other in scene.view_layers:
         other.use = other == layer
+        if other != layer and other.name == 'truth':
+            other.name = 'other'
     layer.samples = 0                   # no number of its own
     for name in 'z', 'normal', 'diffuse_color', 'diffuse_direct', 'emit', 'vector':
         setattr(layer, 'use_pass_' + name, True)
+    layer.use_pass_diffuse_indirect = layer.use_pass_ambient_occlusion = truth
     if truth:                           # hbil-frame takes these two for truth in a layer of this name only
         layer.name = 'truth'
-        layer.use_pass_diffuse_indirect = layer.use_pass_ambient_occlusion = True
 
 
 def set_scene(scene, args):
@@ -195,9 +199,12 @@ def set_scene(scene, args):
     # What blurs the G-buffer or spreads it over other pixels is off.
     render.use_motion_blur = render.use_border = render.use_multiview = render.use_freestyle = False
     render.use_compositing = render.use_sequencer = False
-    render.image_settings.file_format = 'OPEN_EXR_MULTILAYER'
-    render.image_settings.color_depth = '32'
-    render.image_settings.exr_codec = 'ZIP'
+    image = render.image_settings
+    if hasattr(image, 'media_type'):    # Blender 5
+        image.media_type = 'MULTI_LAYER_IMAGE'
+    image.file_format, image.color_depth, image.exr_codec = 'OPEN_EXR_MULTILAYER', '32', 'ZIP'
+    if hasattr(image, 'use_exr_interleave'):
+        image.use_exr_interleave = True # all passes in one part of the file
     if args.size:
         render.resolution_x, render.resolution_y = args.size
         render.resolution_percentage = 100
@@ -259,8 +266,7 @@ def export(scene, number, folder):
         bpy.ops.render.render(write_still=True)
         os.replace(temp + '.exr', exr)
         with open(temp + '.json', 'w', encoding='ascii') as file:
-            json.dump(camera, file, indent=1)
-            file.write('\n')
+            file.write('{\n' + ',\n'.join(f' {json.dumps(key)}: {json.dumps(value)}' for key, value in camera.items()) + '\n}\n')
         os.replace(temp + '.json', text)
     except RuntimeError as error:
         raise Fault(RENDER, f'frame {number} was not rendered: {str(error).strip()}')
@@ -292,4 +298,5 @@ def main():
     return DONE
 
 
-sys.exit(main())
+if __name__ == '__main__':
+    sys.exit(main())

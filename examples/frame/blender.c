@@ -114,6 +114,9 @@ static int missing_passes(const char *exr, const char *layer, unsigned bits, int
     return BLENDER_FAULT;
 }
 
+/* Truth of light is known only where a surface reflects some: truth_ao is 0 elsewhere, as in all captures. */
+static int is_lit(const float albedo[3]) { return albedo[0] > 0.0f || albedo[1] > 0.0f || albedo[2] > 0.0f; }
+
 /* Blender's conventions to ours, in place. */
 static void convert(image pass[PASSES], const float view[16])
 {
@@ -131,6 +134,7 @@ static void convert(image pass[PASSES], const float view[16])
             pass[LIGHT].data[3 * p + (size_t)i] *= pass[COLOUR].data[3 * p + (size_t)i];
         }
         if (pass[MOTION].data) pass[MOTION].data[2 * p + 1] *= -1.0f;
+        if (pass[OCCLUSION].data && !is_lit(pass[COLOUR].data + 3 * p)) pass[OCCLUSION].data[p] = 0.0f;
     }
 }
 
