@@ -12,6 +12,7 @@ import math
 import os
 import re
 import sys
+import traceback
 
 import bpy
 import bmesh
@@ -295,6 +296,9 @@ def main():
     except OSError as error:
         print(f'export_frame: {error}. Choose a folder that can be written, with room in it', file=sys.stderr)
         return FILES
+    except Exception:                   # a Blender with another API: it would end with 0 itself
+        traceback.print_exc()
+        return RENDER
     return DONE
 
 

@@ -29,6 +29,7 @@
 #endif
 
 #define MAX_SIZE 16384 /* pixels a side */
+#define SHORT_NAME 31  /* bytes of a name, from which on the file must say that it has long ones */
 #define MAX_NAME 256   /* bytes of a channel name; the format itself allows 255 */
 
 int frame_error(char *error, size_t error_size, const char *format, ...)
@@ -500,6 +501,7 @@ static exr_result_t encode_all(exr_context_t context, const image *size, const i
     for (i = 0; i < count; i++) {
         for (c = 0; layers[i].pixels.data && layers[i].channels[c] && code == EXR_ERR_SUCCESS; c++) {
             channel_name(&layers[i], c, name);
+            if (strlen(name) >= SHORT_NAME) exr_set_longname_support(context, 1);
             code = exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
         }
     }

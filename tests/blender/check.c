@@ -260,7 +260,7 @@ static void check_occlusion(const char *path, const capture *cap)
     check(least > 0 && least < .35, "least ao of a block", least);
     check(most > .9 && most <= 1, "greatest", most);
     check(mean > -.02 && mean < .15, "mean, less Cycles', which sees what is off the screen, too", mean);
-    check(correlation > .8, "correlation with Cycles'", correlation);
+    check(correlation > .9, "correlation with Cycles'", correlation);
 }
 
 static int load(capture *cap, const char *folder, int frame)
