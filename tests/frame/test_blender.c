@@ -181,7 +181,7 @@ static void emission_and_motion_may_be_absent(void **state)
 static void the_fullest_view_layer_is_taken_and_of_several_the_first(void **state)
 {
     static const pass other[] = {{"Depth", "Z", {11}}, {"Normal", "XYZ", {1, 0, 0}}, {"DiffCol", "RGB", {1, 1, 1}},
-                                 {"DiffDir", "RGB", {1, 1, 1}}};
+                                 {"DiffDir", "RGB", {1, 1, 1}}, {"Combined", "RGB", {1, 1, 1}}};
     capture           cap;
 
     (void)state;
