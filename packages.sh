@@ -3,7 +3,7 @@
 #
 #   sh packages.sh build     what shadergen and hbil-frame need, drivers included
 #   sh packages.sh test      that, and what the tests need
-#   sh packages.sh blender   Blender with Cycles, about 600 MB: for examples/blender and its test, which is skipped without it
+#   sh packages.sh blender   Blender with Cycles, about 600 MB: for examples/blender; its test is skipped without it
 #
 # Says what it installs; does nothing, and needs no rights, where nothing is lacking. Where dpkg and apt-get are missing it
 # prints the list and succeeds: the build will name what it does not find.

@@ -1,5 +1,6 @@
-"""export_frame.py - writes frames of a Blender scene as hbil-frame reads them: G-buffer and direct light in a multilayer
-EXR, the camera as JSON. Rendered by Cycles on the CPU, every sample at the pixel's centre. Never saves the .blend.
+"""export_frame.py - writes frames of a Blender scene as hbil-frame reads them: G-buffer and direct light in a
+multilayer EXR, the camera as JSON. Rendered by Cycles on the CPU, every sample at the pixel's centre. Never saves the
+.blend.
 
   blender -b FILE.blend --python export_frame.py -- --out DIR [--frames A:B] [--samples N] [--size WxH]
   blender -b --python export_frame.py -- --demo --out DIR
@@ -56,7 +57,8 @@ def positive(text):
 def read_arguments():
     given = sys.argv[sys.argv.index('--') + 1:] if '--' in sys.argv else []
     parser = argparse.ArgumentParser(
-        prog='export_frame', usage=USAGE_LINES, allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
+        prog='export_frame', usage=USAGE_LINES, allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         description='Writes DIR/frame-NNN.exr and DIR/camera-NNN.json for hbil-frame. NNN: the number of the frame.',
         epilog=__doc__[__doc__.index('exit:'):])
     parser.add_argument('--out', metavar='DIR', required=True, help='made if need be')
@@ -67,7 +69,8 @@ def read_arguments():
                         help="leave the world's light out of the direct light, to add it by hbil-frame --env")
     parser.add_argument('--truth', action='store_true',
                         help='path-traced ambient occlusion and near light, too; wants some hundred samples')
-    parser.add_argument('--demo', action='store_true', help='a built-in scene instead of FILE.blend; frames 0 to 10 move')
+    parser.add_argument('--demo', action='store_true',
+                        help='a built-in scene instead of FILE.blend; frames 0 to 10 move')
     args = parser.parse_args(given)
     if args.demo and bpy.data.filepath:
         parser.error(f'--demo: there is {bpy.data.filepath} already. Leave one of them out')
@@ -138,7 +141,8 @@ def look(camera, eye, target):
 
 
 def make_demo():
-    """A corner of floor z = 0 and walls x = 0, y = 0, in metres; tests/blender/check.c knows it, too. The world is black."""
+    """A corner of floor z = 0 and walls x = 0, y = 0, in metres; tests/blender/check.c knows it, too. The world is
+    black."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new('black')
@@ -196,7 +200,8 @@ def set_scene(scene, args):
     try:
         render.engine = 'CYCLES'
     except TypeError:
-        raise Fault(RENDER, 'this Blender has no Cycles. Switch its add-on "Cycles Render Engine" on, or take another build')
+        raise Fault(RENDER, 'this Blender has no Cycles. Switch its add-on "Cycles Render Engine" on, or take another '
+                    'build')
     # What blurs the G-buffer or spreads it over other pixels is off.
     render.use_motion_blur = render.use_border = render.use_multiview = render.use_freestyle = False
     render.use_compositing = render.use_sequencer = False
@@ -228,7 +233,8 @@ def set_scene(scene, args):
 # ---- camera ----------------------------------------------------------------------------------------------------------
 
 def pixels(render):
-    return tuple(max(int(side * render.resolution_percentage / 100), 1) for side in (render.resolution_x, render.resolution_y))
+    sides = render.resolution_x, render.resolution_y
+    return tuple(max(int(side * render.resolution_percentage / 100), 1) for side in sides)
 
 
 def describe_camera(scene, graph):
@@ -241,7 +247,8 @@ def describe_camera(scene, graph):
         raise Fault(MISFIT, f'camera {camera.name} is of type {lens.type}. Make it Perspective or Orthographic')
     world = camera.matrix_world.normalized()
     turn = world.to_3x3()
-    if turn.determinant() < 0 or max(abs(x) for row in turn @ turn.transposed() - Matrix.Identity(3) for x in row) > 1e-5:
+    skew = turn @ turn.transposed() - Matrix.Identity(3)
+    if turn.determinant() < 0 or max(abs(x) for row in skew for x in row) > 1e-5:
         raise Fault(MISFIT, f'camera {camera.name} is mirrored or sheared, by itself or a parent. Apply its scale')
     width, height = pixels(render)
     rows = [list(row) for row in camera.calc_matrix_camera(graph, x=width, y=height, scale_x=render.pixel_aspect_x,
@@ -257,7 +264,7 @@ def describe_camera(scene, graph):
 # ---- frames ----------------------------------------------------------------------------------------------------------
 
 def export(scene, number, folder):
-    exr, text = (os.path.join(folder, f'{kind}-{number:03d}.{end}') for kind, end in (('frame', 'exr'), ('camera', 'json')))
+    exr, text = (os.path.join(folder, name) for name in (f'frame-{number:03d}.exr', f'camera-{number:03d}.json'))
     temp = os.path.join(folder, f'.{number:03d}-{os.getpid()}')
     scene.frame_set(number)
     camera = describe_camera(scene, bpy.context.evaluated_depsgraph_get())
@@ -267,7 +274,8 @@ def export(scene, number, folder):
         bpy.ops.render.render(write_still=True)
         os.replace(temp + '.exr', exr)
         with open(temp + '.json', 'w', encoding='ascii') as file:
-            file.write('{\n' + ',\n'.join(f' {json.dumps(key)}: {json.dumps(value)}' for key, value in camera.items()) + '\n}\n')
+            lines = [f' {json.dumps(key)}: {json.dumps(value)}' for key, value in camera.items()]
+            file.write('{\n' + ',\n'.join(lines) + '\n}\n')
         os.replace(temp + '.json', text)
     except RuntimeError as error:
         raise Fault(RENDER, f'frame {number} was not rendered: {str(error).strip()}')

@@ -7,9 +7,10 @@
  *   DiffDir.RGB            E/pi of lamps, glowing surfaces and world       direct = DiffCol * DiffDir
  *   Emit.RGB               radiance                                        emission
  *   Vector.XYZW            XY: pixel in the last frame minus here, +y up   motion, +y down
- *   DiffInd.RGB, AO.RGB    as export_frame.py --truth sets Cycles up:      truth_near, truth_ao: in a view layer named
- *                          E/pi of one bounce, cosine-weighted visibility  "truth" only. In others they are of all bounces,
- *                                                                          and of what is near
+ *   DiffInd.RGB, AO.RGB    E/pi of one bounce, visibility                  truth_near, truth_ao
+ *
+ * The last row only in a view layer named "truth", which export_frame.py --truth makes: in others light is of all
+ * bounces, and visibility of what is near.
  *
  * The name of a view layer and a dot go before each: any text, with dots and spaces, or nothing at all. */
 #include "blender.h"
@@ -27,7 +28,8 @@ enum { DEPTH, NORMAL, COLOUR, LIGHT, REQUIRED, EMISSION = REQUIRED, MOTION, INDI
 
 /* Where the required ones are, below View Layer Properties > Passes. */
 static const char *const switches[REQUIRED] = {
-    "Depth (Data > Z)", "Normal (Data > Normal)", "DiffCol (Light > Diffuse > Color)", "DiffDir (Light > Diffuse > Direct)",
+    "Depth (Data > Z)", "Normal (Data > Normal)", "DiffCol (Light > Diffuse > Color)",
+    "DiffDir (Light > Diffuse > Direct)",
 };
 
 /* The long names are those of Blender 5. */
@@ -71,8 +73,8 @@ static int count_bits(unsigned bits)
     return count;
 }
 
-/* The view layer, dot included, with the most required passes; of several such the first. 0: none has any, and there is not even a
- * rendered picture. */
+/* The view layer, dot included, with the most required passes; of several such the first. 0: none has any, and
+ * there is not even a rendered picture. */
 static int choose_layer(const char *names, char layer[NAME_BYTES])
 {
     const char *name;
@@ -100,7 +102,7 @@ static int missing_passes(const char *exr, const char *layer, unsigned bits, int
     size_t      used;
     int         k;
 
-    frame_error(error, error_size, "%s: view layer \"%.*s\" of Blender lacks", exr, (int)strlen(layer) - (*layer != 0), layer);
+    frame_error(error, error_size, "%s: view layer \"%.*s\" of Blender lacks", exr, (int)strlen(layer) - 1, layer);
     for (k = 0; k < REQUIRED && error_size > 0; k++) {
         if (bits & 1u << k) continue;
         used = strlen(error);
@@ -108,9 +110,11 @@ static int missing_passes(const char *exr, const char *layer, unsigned bits, int
         before = ", ";
     }
     used = error_size > 0 ? strlen(error) : 0;
-    snprintf(error + used, error_size - used, "%s", parts > 1 ? " in the first of its parts. Switch Interleave on in "
-             "Output Properties > Output, and render again by Cycles" : ". Switch that on in View Layer Properties > Passes, and render "
-             "again by Cycles, or write the frame by examples/blender/export_frame.py");
+    snprintf(error + used, error_size - used, "%s", parts > 1
+             ? " in the first of its parts. Switch Interleave on in Output Properties > Output, and render again by "
+               "Cycles"
+             : ". Switch that on in View Layer Properties > Passes, and render again by Cycles, or write the frame by "
+               "examples/blender/export_frame.py");
     return BLENDER_FAULT;
 }
 
@@ -130,7 +134,9 @@ static void convert(image pass[PASSES], const float view[16])
 
         for (i = 0; i < 3; i++) {
             const float turned = view[i] * w[0] + view[4 + i] * w[1] + view[8 + i] * w[2];
-            n[i] = length > 0.0f ? turned / length : 0.0f; /* shorter than 1 where a pixel is the mean of several surfaces */
+
+            /* shorter than 1 where a pixel is the mean of several surfaces */
+            n[i] = length > 0.0f ? turned / length : 0.0f;
             pass[LIGHT].data[3 * p + (size_t)i] *= pass[COLOUR].data[3 * p + (size_t)i];
         }
         if (pass[MOTION].data) pass[MOTION].data[2 * p + 1] *= -1.0f;

@@ -1,8 +1,8 @@
-/* check.c - frames 0 and 1 of the built-in scene of examples/blender/export_frame.py, held against the scene's own numbers: positions
- * from depth and camera, normals, motion, light; and what hbil-frame made of them.
+/* check.c - frames 0 and 1 of the built-in scene of examples/blender/export_frame.py, held against the scene's own
+ * numbers: positions from depth and camera, normals, motion, light; and what hbil-frame made of them.
  *
- *   blender_check FOLDER ...     each holds frame-000.exr camera-000.json frame-001.exr camera-001.json; and ao.exr of frame 0,
- *                                if it should be checked
+ *   blender_check FOLDER ...     each holds frame-000.exr camera-000.json frame-001.exr camera-001.json; and ao.exr
+ *                                of frame 0, if it should be checked
  *
  * Exit code 1: something is wrong, and said so. */
 #include <math.h>
@@ -79,7 +79,8 @@ static void project(const capture *cap, const double at[3], double out[2])
 static int on_box(int index, int frame, const double at[3], const double normal[3])
 {
     const double angle = boxes[index].turn * PI / 180, c = cos(angle), s = sin(angle);
-    const double x = at[0] - boxes[index].base[0] - (index + TALL == SLIDER ? slide * frame : 0), y = at[1] - boxes[index].base[1];
+    const double x = at[0] - boxes[index].base[0] - (index + TALL == SLIDER ? slide * frame : 0);
+    const double y = at[1] - boxes[index].base[1];
     const double local[3] = {c * x + s * y, c * y - s * x, at[2] - .5 * boxes[index].sides[2]};
     const double facing[3] = {c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]};
     int          i, inside = 1, side = 0;
@@ -146,7 +147,8 @@ static double panel_light(const double at[3])
     return fabs(sum) / (2 * PI);
 }
 
-/* A piece of floor that sun and panel light wholly: E of the sun 3 W/m2 times the cosine, radiance of the panel 6, 4.2, 2.4. */
+/* A piece of floor that sun and panel light wholly: E of the sun 3 W/m2 times the cosine, radiance of the panel
+ * 6, 4.2, 2.4. */
 static void check_light(const capture *cap)
 {
     static const double panel[3] = {6, 4.2, 2.4}, white[3] = {.75, .75, .72};
@@ -166,15 +168,16 @@ static void check_light(const capture *cap)
         }
     }
     check(count > 30, "pixels of open floor", count);
-    for (c = 0; c < 3; c++) check(fabs(got[c] / want[c] - 1) < .02, "direct light there, by that of sun and panel", got[c] / want[c]);
+    for (c = 0; c < 3; c++)
+        check(fabs(got[c] / want[c] - 1) < .02, "direct light there, by that of sun and panel", got[c] / want[c]);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-/* Surfaces, normals, albedo of the back wall, emission of the panel; with `last` motion. Motion of some pixels at borders is a mean of two
- * surfaces. */
+/* Surfaces, normals, emission of the panel; with `last` motion. Some pixels at borders are means of two surfaces. */
 static void check_frame(const capture *cap, const capture *last, int frame)
 {
+    const int few = cap->width * cap->height / 500;
     int    seen[THINGS + 1] = {0}, x, y, sky = 0, dark = 0, off = 0, moved = 0, k;
     double at[3], normal[3], before[2], worst = 0;
 
@@ -206,10 +209,10 @@ static void check_frame(const capture *cap, const capture *last, int frame)
     }
     for (k = 0; k < THINGS; k++) check(seen[k] > 40, names[k], seen[k]);
     check(sky > 400 && sky * 2 < cap->width * cap->height, "sky", sky);
-    check(seen[THINGS] * 500 < cap->width * cap->height, "pixels that are on no surface of the scene, or of another normal", seen[THINGS]);
-    check(dark * 500 < cap->width * cap->height, "pixels with emission elsewhere than on the panel, or none there", dark);
+    check(seen[THINGS] < few, "pixels that are on no surface of the scene, or of another normal", seen[THINGS]);
+    check(dark < few, "pixels with emission elsewhere than on the panel, or none there", dark);
     if (!last) return;
-    check(off * 500 < cap->width * cap->height, "pixels whose motion is not that of their surface", off);
+    check(off < few, "pixels whose motion is not that of their surface", off);
     check(moved * 2 > cap->width * cap->height, "pixels that move", moved);
     printf("      the others: within %.2g pixels\n", worst);
 }
@@ -283,7 +286,8 @@ int main(int argc, char **argv)
 
     for (i = 1; i < argc; i++) {
         if (!load(&cap[0], argv[i], 0) || !load(&cap[1], argv[i], 1)) return 1;
-        printf("%s: %dx%d, %s\n", argv[i], cap[0].width, cap[0].height, cap[0].orthographic ? "orthographic" : "perspective");
+        printf("%s: %dx%d, %s\n", argv[i], cap[0].width, cap[0].height,
+               cap[0].orthographic ? "orthographic" : "perspective");
         check_frame(&cap[0], NULL, 0);
         check_frame(&cap[1], &cap[0], 1);
         check_light(&cap[0]);

@@ -1,5 +1,5 @@
-"""scenes.py - saves the built-in scene of export_frame.py as perspective.blend and orthographic.blend, with settings that are in the
-way of a clean G-buffer. Then sees what export_frame.py refuses.
+"""scenes.py - saves the built-in scene of export_frame.py as perspective.blend and orthographic.blend, with settings
+that are in the way of a clean G-buffer. Then sees what export_frame.py refuses.
 
   blender -b --python scenes.py -- FOLDER-OF-EXPORT_FRAME FOLDER
 

@@ -1,4 +1,5 @@
-/* test_blender.c - Blender's multilayer EXR as a capture: names, conventions, what is said where passes are missing. No Blender needed. */
+/* test_blender.c - Blender's multilayer EXR as a capture: names, conventions, what is said where passes are missing.
+ * No Blender needed. */
 #include <math.h>
 #include <unistd.h>
 
@@ -22,14 +23,16 @@ typedef struct pass { const char *name, *channels; float value[3]; } pass;
 
 /* What Blender 3.4 writes; the normal is not of unit length, as where a pixel is the mean of several surfaces. */
 static const pass blender_3[] = {
-    {"Combined", "RGB", {9, 9, 9}}, {"Depth", "Z", {7}},          {"Normal", "XYZ", {1, 0.5f, 0}}, {"DiffCol", "RGB", {0.5f, 0.25f, 0}},
-    {"DiffDir", "RGB", {3, 2, 1}},  {"Emit", "RGB", {4, 5, 6}},   {"Vector", "XYZ", {1.5f, 0.75f, 0}},
-    {"DiffInd", "RGB", {1, 2, 3}},  {"AO", "RGB", {0.25f, 1, 1}},
+    {"Combined", "RGB", {9, 9, 9}},         {"Depth", "Z", {7}},          {"Normal", "XYZ", {1, 0.5f, 0}},
+    {"DiffCol", "RGB", {0.5f, 0.25f, 0}},   {"DiffDir", "RGB", {3, 2, 1}}, {"Emit", "RGB", {4, 5, 6}},
+    {"Vector", "XYZ", {1.5f, 0.75f, 0}},    {"DiffInd", "RGB", {1, 2, 3}}, {"AO", "RGB", {0.25f, 1, 1}},
 };
 static const pass blender_5[] = {
-    {"Combined", "RGB", {9, 9, 9}},       {"Depth", "V", {7}},        {"Normal", "XYZ", {1, 0.5f, 0}},
-    {"Diffuse Color", "RGB", {0.5f, 0.25f, 0}}, {"Diffuse Direct", "RGB", {3, 2, 1}}, {"Emission", "RGB", {4, 5, 6}},
-    {"Vector", "XYZ", {1.5f, 0.75f, 0}},  {"Diffuse Indirect", "RGB", {1, 2, 3}}, {"Ambient Occlusion", "RGB", {0.25f, 1, 1}},
+    {"Combined", "RGB", {9, 9, 9}},             {"Depth", "V", {7}},
+    {"Normal", "XYZ", {1, 0.5f, 0}},            {"Diffuse Color", "RGB", {0.5f, 0.25f, 0}},
+    {"Diffuse Direct", "RGB", {3, 2, 1}},       {"Emission", "RGB", {4, 5, 6}},
+    {"Vector", "XYZ", {1.5f, 0.75f, 0}},        {"Diffuse Indirect", "RGB", {1, 2, 3}},
+    {"Ambient Occlusion", "RGB", {0.25f, 1, 1}},
 };
 
 static char folder[] = "test_blender_XXXXXX"; /* in the working folder, removed at the end */
@@ -134,7 +137,7 @@ static void passes_are_read_under_any_name_of_the_view_layer(void **state)
         assert_values(&cap.depth, 0, 1e10f, 0, 0);
         assert_values(&cap.depth, 7, 7, 0, 0);
         assert_values(&cap.normal, 0, 0, 0, 0);                            /* sky: no NaN */
-        assert_values(&cap.normal, 7, 1.0f / length, 0, 0.5f / length);    /* world (1, .5, 0) in view space, of unit length */
+        assert_values(&cap.normal, 7, 1.0f / length, 0, 0.5f / length);    /* world (1, .5, 0) turned, of unit length */
         assert_values(&cap.albedo, 7, 0.5f, 0.25f, 0);
         assert_values(&cap.direct, 7, 1.5f, 0.5f, 0);                      /* reflectance times E/pi */
         assert_values(&cap.direct, 1, 0, 0, 0);
@@ -227,8 +230,8 @@ static void assert_refused(const char *says)
 static void missing_passes_are_named_with_their_switches(void **state)
 {
     static const char *const says[] = {
-        "lacks Depth (Data > Z). Switch", "lacks Normal (Data > Normal). Switch", "lacks DiffCol (Light > Diffuse > Color). Switch",
-        "lacks DiffDir (Light > Diffuse > Direct). Switch",
+        "lacks Depth (Data > Z). Switch", "lacks Normal (Data > Normal). Switch",
+        "lacks DiffCol (Light > Diffuse > Color). Switch", "lacks DiffDir (Light > Diffuse > Direct). Switch",
     };
     size_t k;
 
@@ -302,8 +305,8 @@ static void a_file_of_many_parts_is_refused_with_the_switch_for_one(void **state
     assert_int_equal(exr_start_write(&context, exr, EXR_WRITE_FILE_DIRECTLY, &settings), 0);
     for (k = 0; k < 2; k++) {
         assert_int_equal(exr_add_part(context, parts[k], EXR_STORAGE_SCANLINE, &part), 0);
-        assert_int_equal(exr_initialize_required_attr(context, part, &box, &box, 1, &centre, 1, EXR_LINEORDER_INCREASING_Y,
-                                                      EXR_COMPRESSION_NONE), 0);
+        assert_int_equal(exr_initialize_required_attr(context, part, &box, &box, 1, &centre, 1,
+                                                      EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_NONE), 0);
         snprintf(name, sizeof name, "%s.%s", parts[k], channels[k]);
         assert_int_equal(exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
     }
