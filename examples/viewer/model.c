@@ -13,7 +13,7 @@
 
 /* What a scene of examples/frame lacks here: its own cameras are for pictures of one surface, not for walking about. */
 static const struct { const char *name; float eye[3], pivot[3], half_fov, sun[3], sun_light[3], radius; } scenes[] = {
-    {"cornell", {0.0f, -5.6f, 2.73f}, {0.0f, 2.8f, 2.73f}, 0.40f, {-0.30f, -0.75f, 0.55f}, {5.8f, 4.9f, 3.7f}, 5.0f},
+    {"cornell", {0.0f, -5.2f, 2.73f}, {0.0f, 2.8f, 2.55f}, 0.42f, {-0.35f, -0.55f, 0.75f}, {2.9f, 2.45f, 1.85f}, 5.0f},
     {"fence", {0.9f, -4.2f, 3.4f}, {0.1f, 0.2f, 0.5f}, 0.30f, {-0.55f, -0.72f, 0.55f}, {2.9f, 2.45f, 1.85f}, 5.0f},
 };
 
@@ -39,7 +39,7 @@ static void set_sky(model *m)
 
     memcpy(m->sky_ground, ground, sizeof ground);
     memcpy(m->sky_zenith, zenith, sizeof zenith);
-    m->exposure = 0.6f;
+    m->exposure = 0.5f;
 }
 
 void model_free(model *m)

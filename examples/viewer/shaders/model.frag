@@ -12,16 +12,21 @@ layout(location = 3) out vec4 o_motion;
 layout(location = 4) out vec4 o_specular;
 layout(binding = 1) uniform sampler2D u_shadow;
 
-// Lit part of 3x3 texels. Bias: along the normal by two texels, more where the sun grazes.
+// Lit part of 3x3 texels. Bias: along the normal by a texel, more where the sun grazes. A texel without any surface lies past the
+// edge of this one, and would let light through where two walls meet.
 float sun_visibility(vec3 normal, float facing)
 {
-    vec3 at = (u_sun_texture * vec4(v_position + normal * u_sun.w * (3.0 - facing), 1.0)).xyz;
+    vec3 at = (u_sun_texture * vec4(v_position + normal * u_sun.w * (2.5 - 1.5 * facing), 1.0)).xyz;
     ivec2 texel = ivec2(floor(at.xy * vec2(textureSize(u_shadow, 0))));
-    float lit = 0.0;
+    float lit = 0.0, count = 0.0;
     if (any(lessThan(texel, ivec2(1))) || any(greaterThan(texel, textureSize(u_shadow, 0) - 2))) return 1.0;
     for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) lit += at.z <= texelFetch(u_shadow, texel + ivec2(x, y), 0).r ? 1.0 : 0.0;
-    return lit / 9.0;
+        for (int x = -1; x <= 1; ++x) {
+            float depth = texelFetch(u_shadow, texel + ivec2(x, y), 0).r;
+            count += depth < 1.0 ? 1.0 : 0.0;
+            lit += at.z <= depth && depth < 1.0 ? 1.0 : 0.0;
+        }
+    return count > 0.0 ? lit / count : 1.0;
 }
 
 void main()
