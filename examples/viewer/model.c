@@ -17,6 +17,9 @@ static const struct { const char *name; float eye[3], pivot[3], half_fov, sun[3]
     {"fence", {0.9f, -4.2f, 3.4f}, {0.1f, 0.2f, 0.5f}, 0.30f, {-0.55f, -0.72f, 0.55f}, {2.9f, 2.45f, 1.85f}, 5.0f},
 };
 
+/* glTF ends emission at 1, what is white on a screen; the extension that lifts it is not read by assimp 5.2. The sun here is at 6. */
+#define GLOW 8.0f
+
 static void unit(float v[3])
 {
     const float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -114,18 +117,18 @@ static void read_material(const struct aiMaterial *material, gpu_vertex *out)
 {
     const struct aiColor4D grey = {0.8f, 0.8f, 0.8f, 1.0f}, black = {0.0f, 0.0f, 0.0f, 1.0f};
     struct aiColor4D base = grey, emission = black;
-    float            strength = 1.0f;
+    int c;
 
     memset(out, 0, sizeof *out);
     out->roughness = 1.0f;
     if (aiGetMaterialColor(material, AI_MATKEY_BASE_COLOR, &base) != aiReturn_SUCCESS)
         aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &base);
     aiGetMaterialColor(material, AI_MATKEY_COLOR_EMISSIVE, &emission);
-    aiGetMaterialFloat(material, AI_MATKEY_EMISSIVE_INTENSITY, &strength); /* KHR_materials_emissive_strength */
     aiGetMaterialFloat(material, AI_MATKEY_METALLIC_FACTOR, &out->metallic);
     aiGetMaterialFloat(material, AI_MATKEY_ROUGHNESS_FACTOR, &out->roughness);
     out->albedo[0] = base.r, out->albedo[1] = base.g, out->albedo[2] = base.b;
-    out->emission[0] = emission.r * strength, out->emission[1] = emission.g * strength, out->emission[2] = emission.b * strength;
+    out->emission[0] = emission.r, out->emission[1] = emission.g, out->emission[2] = emission.b;
+    for (c = 0; c < 3; c++) out->emission[c] *= GLOW;
 }
 
 static size_t count_corners(const struct aiScene *scene)
@@ -157,10 +160,75 @@ static void read_meshes(const struct aiScene *scene, gpu_vertex *to)
     }
 }
 
-/* Camera, sun and planes for what lies between low and high. */
-static void set_view(model *m, const struct aiScene *scene)
+static const struct aiNode *find_node(const struct aiNode *node, const struct aiString *name)
+{
+    const struct aiNode *found = strcmp(node->mName.data, name->data) == 0 ? node : NULL;
+    unsigned i;
+
+    for (i = 0; i < node->mNumChildren && !found; i++) found = find_node(node->mChildren[i], name);
+    return found;
+}
+
+/* Where the node of that name is and where its -z points. To be asked before aiProcess_PreTransformVertices takes the nodes away. Cameras
+ * and lights of glTF have no place of their own in it, whatever assimp 5.2 writes into mPosition. */
+static int place_of(const struct aiScene *scene, const struct aiString *name, float origin[3], float forward[3])
+{
+    const struct aiNode *node = find_node(scene->mRootNode, name);
+    struct aiMatrix4x4   to_world, above;
+    struct aiMatrix3x3   rotation;
+    struct aiVector3D    at = {0.0f, 0.0f, 0.0f}, along = {0.0f, 0.0f, -1.0f};
+
+    if (!node) return 0;
+    for (aiIdentityMatrix4(&to_world); node; node = node->mParent) {
+        above = node->mTransformation;
+        aiMultiplyMatrix4(&above, &to_world);
+        to_world = above;
+    }
+    aiTransformVecByMatrix4(&at, &to_world);
+    aiMatrix3FromMatrix4(&rotation, &to_world);
+    aiTransformVecByMatrix3(&along, &rotation);
+    turn_up(at, origin);
+    turn_up(along, forward);
+    unit(forward);
+    return 1;
+}
+
+/* The first camera of the file; 0: it has none. */
+static int read_camera(const struct aiScene *scene, float eye[3], float forward[3], float *half_fov)
+{
+    const struct aiCamera *camera = scene->mNumCameras > 0 ? scene->mCameras[0] : NULL;
+
+    if (!camera || !place_of(scene, &camera->mName, eye, forward)) return 0;
+    *half_fov = atanf(tanf(0.5f * camera->mHorizontalFOV) / (camera->mAspect > 0.0f ? camera->mAspect : 16.0f / 9.0f));
+    return 1;
+}
+
+/* The first directional light of the file (glTF: KHR_lights_punctual) is the sun; without one there is ours. */
+static void read_sun(const struct aiScene *scene, model *m)
 {
     static const float sun[3] = {-0.45f, -0.60f, 0.66f}, sun_light[3] = {5.8f, 4.9f, 3.7f};
+    float              origin[3], forward[3];
+    unsigned           i;
+    int                c;
+
+    memcpy(m->sun, sun, sizeof sun);
+    memcpy(m->sun_light, sun_light, sizeof sun_light);
+    for (i = 0; i < scene->mNumLights; i++) {
+        const struct aiLight *light = scene->mLights[i];
+        const float irradiance[3] = {light->mColorDiffuse.r, light->mColorDiffuse.g, light->mColorDiffuse.b};
+        if (light->mType != aiLightSource_DIRECTIONAL || !place_of(scene, &light->mName, origin, forward)) continue;
+        for (c = 0; c < 3; c++) {
+            m->sun[c] = -forward[c];
+            m->sun_light[c] = irradiance[c] / 3.14159265f;
+        }
+        break;
+    }
+    unit(m->sun);
+}
+
+/* Camera, planes and sky for a model of this size. */
+static void set_view(model *m, int has_camera, const float forward[3])
+{
     float  low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f}, radius = 0.0f;
     size_t i;
     int    c;
@@ -175,42 +243,40 @@ static void set_view(model *m, const struct aiScene *scene)
         radius += 0.25f * (high[c] - low[c]) * (high[c] - low[c]);
     }
     m->radius = fmaxf(sqrtf(radius), 1e-3f);
-    m->half_fov = 0.40f;
-    memcpy(m->eye, m->pivot, sizeof m->eye);
-    m->eye[1] -= m->radius / sinf(m->half_fov);
-    m->eye[2] += 0.5f * m->radius;
-    if (scene->mNumCameras > 0) {
-        const struct aiCamera *camera = scene->mCameras[0];
-        const float aspect = camera->mAspect > 0.0f ? camera->mAspect : 16.0f / 9.0f;
-        float       forward[3], along = 0.0f;
-        turn_up(camera->mPosition, m->eye);
-        turn_up(camera->mLookAt, forward);
-        unit(forward);
+    if (has_camera) { /* turn about the point on its axis that is nearest to the middle */
+        float along = 0.0f;
         for (c = 0; c < 3; c++) along += (m->pivot[c] - m->eye[c]) * forward[c];
         along = fmaxf(along, 0.1f * m->radius);
         for (c = 0; c < 3; c++) m->pivot[c] = m->eye[c] + along * forward[c];
-        m->half_fov = atanf(tanf(0.5f * camera->mHorizontalFOV) / aspect);
+    } else {
+        m->half_fov = 0.40f;
+        memcpy(m->eye, m->pivot, sizeof m->eye);
+        m->eye[1] -= m->radius / sinf(m->half_fov);
+        m->eye[2] += 0.5f * m->radius;
     }
     m->near_z = 0.01f * m->radius;
     m->far_z = 20.0f * m->radius;
-    memcpy(m->sun, sun, sizeof sun);
-    memcpy(m->sun_light, sun_light, sizeof sun_light);
-    unit(m->sun);
     set_sky(m);
 }
 
 int model_file(model *out, const char *path, char *error, size_t error_size)
 {
-    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenNormals | aiProcess_PreTransformVertices;
+    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenNormals;
     const struct aiScene *scene = aiImportFile(path, flags);
+    float forward[3];
+    int   has_camera;
 
     memset(out, 0, sizeof *out);
+    if (!scene) return frame_error(error, error_size, "%s: %s", path, aiGetErrorString());
+    has_camera = read_camera(scene, out->eye, forward, &out->half_fov);
+    read_sun(scene, out);
+    scene = aiApplyPostProcessing(scene, aiProcess_PreTransformVertices);
     if (!scene) return frame_error(error, error_size, "%s: %s", path, aiGetErrorString());
     out->count = count_corners(scene);
     out->vertices = malloc((out->count ? out->count : 1) * sizeof *out->vertices);
     if (out->vertices && out->count) {
         read_meshes(scene, out->vertices);
-        set_view(out, scene);
+        set_view(out, has_camera, forward);
     }
     aiReleaseImport(scene);
     if (!out->vertices) return frame_error(error, error_size, "%s: out of memory", path);
