@@ -84,7 +84,7 @@ int light_step(light *l, const char *option, const char *values, int by, int end
         /* a number that is none of the values counts as the next lower one */
         if (row->kind == HBIL_KIND_INT ? *member(&trial, option) <= now : *member(&trial, option) == now) at = count;
     }
-    next = ends ? at + by : (at + by + count) % count;
+    next = ends ? at + by : (at + by % count + count) % count;
     if (next < 0 || next >= count) return snprintf(message, message_size, "%s: the keys end at %s", option, value[at]), 0;
     hbil_config_set(&l->wanted, option, value[next], NULL);
     snprintf(message, message_size, "%s=%s", option, value[next]);

@@ -24,7 +24,7 @@
 enum { DONE = 0, REFUSED = 1, USAGE = 2, FILES = 3, BACKEND = 5 };
 
 typedef struct arguments {
-    const char  *scene, *model, *preset, *view, *png, *screenshot;
+    const char  *scene, *model, *preset, *view, *png, *screenshot, *press;
     const char **sets;
     int          set_count, gl, headless, validate, frames, width, height;
     float        exposure;   /* 0: the model's */
@@ -43,10 +43,12 @@ typedef struct app {
     int            width, height;
 
     uint32_t       index;    /* frames drawn */
+    uint32_t       since;    /* the first of them with this plan and scene */
     int            reset;    /* 1: the next frame has no last one */
     float          last_view[16], last_projection[16];
     int            view, overlay;
     float          split;    /* pixels */
+    int            refused, row; /* values in a row that the key of option_keys[row] was refused */
     double         mouse[2]; /* where a drag was last; pixels of the window */
     char           message[512]; /* in the overlay, until `until` */
     double         until;
@@ -81,20 +83,18 @@ static void say(app *a, const char *text)
     fprintf(stderr, "%s\n", text);
 }
 
-/* Use `next` from the next frame on, or say why not and stay with what is. text: what has changed, or room for what hbil.h notes. */
-static void change_light(app *a, light *next, const char *about, char *text, size_t text_size)
+/* Use `next` from the next frame on, or say why not and stay with what is: 0. text: what has changed, or room for what hbil.h notes. */
+static int change_light(app *a, light *next, const char *about, char *text, size_t text_size)
 {
-    if (!light_build(next, a->args.gl, about, text, text_size)) {
-        say(a, text);
-        return;
+    const int built = light_build(next, a->args.gl, about, text, text_size), used = built && a->gpu->plan(a->device, &next->plan);
+
+    if (used) {
+        a->light = *next;
+        a->reset = 1; /* the new plan's history is empty */
+        a->since = a->index;
     }
-    if (!a->gpu->plan(a->device, &next->plan)) {
-        say(a, a->error);
-        return;
-    }
-    a->light = *next;
-    a->reset = 1; /* the new plan's history is empty */
-    say(a, text);
+    say(a, built && !used ? a->error : text);
+    return used;
 }
 
 static void set_preset(app *a, const char *name)
@@ -147,6 +147,7 @@ static void next_scene(app *a)
     a->model = next;
     camera_start(&a->camera, &a->model, 0.0f);
     a->reset = 1;
+    a->since = a->index;
     say(a, model_scene_name(a->scene));
 }
 
@@ -159,7 +160,7 @@ static void restart_camera(app *a)
 static void switch_overlay(app *a) { a->overlay = !a->overlay; }
 static void brighter(app *a) { a->model.exposure *= 1.25f; }
 static void darker(app *a) { a->model.exposure /= 1.25f; }
-static void quit(app *a) { glfwSetWindowShouldClose(a->window, 1); }
+static void quit(app *a) { if (a->window) glfwSetWindowShouldClose(a->window, 1); }
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
 
@@ -204,28 +205,71 @@ static const struct { int key; const char *label; float move[3]; } camera_keys[]
 };
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods)
+/* The next value of an option. Where the last press was refused, the one behind that. */
+static void step_option(app *a, int row)
 {
-    app   *a = glfwGetWindowUserPointer(window);
-    int    shift = (mods & GLFW_MOD_SHIFT) != 0;
+    light next = a->light;
+    char  text[sizeof a->message];
+    int   by = option_keys[row].by;
+
+    if (row != a->row) a->refused = 0;
+    a->row = row;
+    by *= 1 + a->refused;
+    if (!light_step(&next, option_keys[row].option, option_keys[row].values, by, option_keys[row].ends, text, sizeof text)) {
+        say(a, text);
+        a->refused = 0;
+    } else {
+        a->refused = change_light(a, &next, option_keys[row].option, text, sizeof text) ? 0 : a->refused + 1;
+    }
+}
+
+static void press(app *a, int key, int shift)
+{
     size_t i;
 
-    (void)scancode;
-    if (action != GLFW_PRESS) return;
     if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) {
         const char *name = hbil_preset_name((key - GLFW_KEY_0 + 9) % 10); /* 1 is the first, 0 the tenth */
         if (name) set_preset(a, name);
     }
     for (i = 0; i < COUNT(action_keys); i++)
         if (key == action_keys[i].key) action_keys[i].act(a);
+    for (i = 0; i < COUNT(option_keys); i++)
+        if (key == option_keys[i].key && (option_keys[i].shift < 0 || option_keys[i].shift == shift)) step_option(a, (int)i);
+}
+
+/* The key of a label: its length, and which one it is; 0: there is none. */
+static size_t find_key(const char *text, int *key, int *shift)
+{
+    const size_t length = strcspn(text, " ");
+    size_t       i;
+
+    *shift = 0;
+    *key = length == 1 && *text >= '0' && *text <= '9' ? GLFW_KEY_0 + (*text - '0') : 0;
+    for (i = 0; i < COUNT(action_keys); i++)
+        if (strlen(action_keys[i].label) == length && strncmp(text, action_keys[i].label, length) == 0) *key = action_keys[i].key;
     for (i = 0; i < COUNT(option_keys); i++) {
-        light next = a->light;
-        char  text[sizeof a->message];
-        if (key != option_keys[i].key || (option_keys[i].shift >= 0 && option_keys[i].shift != shift)) continue;
-        if (light_step(&next, option_keys[i].option, option_keys[i].values, option_keys[i].by, option_keys[i].ends, text,
-                       sizeof text)) change_light(a, &next, option_keys[i].option, text, sizeof text);
-        else say(a, text);
+        if (strlen(option_keys[i].label) != length || strncmp(text, option_keys[i].label, length) != 0) continue;
+        *key = option_keys[i].key;
+        *shift = option_keys[i].shift == 1;
     }
+    return *key ? length : 0;
+}
+
+/* The next one of --press. */
+static void press_next(app *a)
+{
+    int    key, shift;
+    size_t length = a->args.press ? find_key(a->args.press, &key, &shift) : 0;
+
+    if (!length) return;
+    a->args.press += length + strspn(a->args.press + length, " ");
+    press(a, key, shift);
+}
+
+static void on_key(GLFWwindow *window, int key, int scancode, int action, int mods)
+{
+    (void)scancode;
+    if (action == GLFW_PRESS) press(glfwGetWindowUserPointer(window), key, (mods & GLFW_MOD_SHIFT) != 0);
 }
 
 static void on_mouse(GLFWwindow *window, double x, double y)
@@ -281,6 +325,7 @@ static void print_help(void)
           "  --headless        without a window: Vulkan, or with --gl a context of EGL or OSMesa; wants --frames\n"
           "  --png DIR         headless: write frame-000.png and so on; DIR is made if need be\n"
           "  --screenshot FILE with a window and --frames: the last picture as it was presented\n"
+          "  --press KEYS      press these, one before each frame from the second on, as in \"V Shift+D 3\"\n"
           "  --validate        with the validation layer (Vulkan) or debug output (GL); a message is a failure\n"
           "  --help\n\n"
           "keys:\n"
@@ -325,7 +370,7 @@ static int read_argument(app *a, const char *name, const char *value)
 {
     const struct { const char *name; const char **target; } texts[] = {
         {"--scene", &a->args.scene}, {"--model", &a->args.model}, {"--preset", &a->args.preset}, {"--view", &a->args.view},
-        {"--png", &a->args.png},     {"--screenshot", &a->args.screenshot},
+        {"--png", &a->args.png},     {"--screenshot", &a->args.screenshot}, {"--press", &a->args.press},
     };
     char  *end;
     size_t i;
@@ -354,8 +399,10 @@ static int read_argument(app *a, const char *name, const char *value)
 
 static int check_arguments(app *a)
 {
-    arguments *g = &a->args;
-    int        i;
+    arguments  *g = &a->args;
+    const char *press;
+    size_t      length;
+    int         i, key, shift;
 
     if (g->scene && g->model) return frame_error(a->error, sizeof a->error, "--scene and --model: give one of them");
     for (i = 0; g->scene && model_scene_name(i) && strcmp(g->scene, model_scene_name(i)) != 0; i++) {}
@@ -371,6 +418,9 @@ static int check_arguments(app *a)
                                                    "it is --screenshot FILE");
     if (g->screenshot && (g->headless || !g->frames))
         return frame_error(a->error, sizeof a->error, "--screenshot needs a window and --frames N; headless it is --png DIR");
+    for (press = g->press; press && *press; press += length + strspn(press + length, " "))
+        if (!(length = find_key(press, &key, &shift)))
+            return frame_error(a->error, sizeof a->error, "--press: no key %s; hbil-viewer --help lists all", press);
     if (!g->width) {
         g->width = g->headless ? 640 : 1280;
         g->height = g->headless ? 360 : 720;
@@ -406,10 +456,10 @@ static void write_overlay(app *a, char *text, size_t size)
     used = (size_t)snprintf(text, size, "%s, %s, %dx%d\npreset %s, view %s\n\n", a->device_name, a->gpu->name, a->width, a->height,
                             a->light.preset, view->name);
     for (i = 0; i < a->time_count && used < size; i++) {
-        used += (size_t)snprintf(text + used, size - used, "%-12s %8.2f ms\n", a->times[i].name, a->times[i].ms);
+        used += (size_t)snprintf(text + used, size - used, "%8.2f ms  %s\n", a->times[i].ms, a->times[i].name);
         total += a->times[i].ms;
     }
-    if (used < size) used += (size_t)snprintf(text + used, size - used, "%-12s %8.2f ms\n\n", "all", total);
+    if (used < size) used += (size_t)snprintf(text + used, size - used, "%8.2f ms  all\n\n", total);
     if (used < size && seconds() < a->until) snprintf(text + used, size - used, "%s", a->message);
 }
 
@@ -488,10 +538,10 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* history: a row of GPU_TIMES for each frame. The first is left out if there are others: shaders are compiled in it. */
+/* history: a row of GPU_TIMES for each frame. The first with a plan is left out if there are others: shaders are compiled in it. */
 static void print_times(const app *a, double *history, int frames)
 {
-    const int first = frames > 1 ? 1 : 0, count = frames - first;
+    const int first = (int)a->since + ((int)a->since + 1 < frames), count = frames - first;
     double   *sorted = malloc((size_t)count * sizeof *sorted), total = 0.0;
     int       t, i;
 
@@ -522,6 +572,7 @@ static int run_headless(app *a)
     if (!pixels || !history) code = fail(a, BACKEND);
     a->split = 0.5f * (float)a->width;
     for (i = 0; i < frames && code == DONE; i++) {
+        if (i > 0) press_next(a);
         swing(a);
         if (!draw_frame(a, a->args.png ? pixels : NULL)) {
             code = fail(a, BACKEND);
@@ -606,6 +657,7 @@ static int run_window(app *a)
     while (!glfwWindowShouldClose(a->window) && a->code == DONE && (!a->args.frames || (int)a->index < a->args.frames)) {
         const int last = a->args.frames && (int)a->index + 1 == a->args.frames;
         glfwPollEvents();
+        if (a->index > 0) press_next(a);
         now = seconds();
         if (a->args.frames) swing(a);
         else move_camera(a, now - before);
