@@ -85,7 +85,8 @@ void camera_projection(const camera *c, int width, int height, int gl, float pro
     projection[14] = (gl ? -2.0f : -1.0f) * c->far_z * c->near_z / range;
 }
 
-/* The sun's parallel rays through a ball of the model's radius around its pivot; what casts shadows into it may stand farther off. */
+/* The sun's parallel rays through a ball of the model's radius around its pivot; what casts shadows into it may
+ * stand farther off. */
 static void sun_matrices(const model *m, int gl, float clip[16], float texture[16])
 {
     static const float reach = 4.0f; /* radii towards the sun and away from it */

@@ -1,4 +1,5 @@
-/* camera.h - where the picture is taken from, and the matrices that follow. World: z up; view space: x right, y up, -z forward. */
+/* camera.h - where the picture is taken from, and the matrices that follow. World: z up; view space: x right, y
+ * up, -z forward. */
 #ifndef HBIL_VIEWER_CAMERA_H
 #define HBIL_VIEWER_CAMERA_H
 

@@ -1,5 +1,6 @@
-/* gpu.h - what the viewer asks of a graphics API. One table each in gpu_vk.c and gpu_gl.c; both draw with shaders/, both follow the
- * conventions of hbil.h: row 0 of every image is ndc y = -1, and the projection turns that into the top of the picture. */
+/* gpu.h - what the viewer asks of a graphics API. One table each in gpu_vk.c and gpu_gl.c; both draw with
+ * shaders/, both follow the conventions of hbil.h: row 0 of every image is ndc y = -1, and the projection turns
+ * that into the top of the picture. */
 #ifndef HBIL_VIEWER_GPU_H
 #define HBIL_VIEWER_GPU_H
 

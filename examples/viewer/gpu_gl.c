@@ -1,7 +1,9 @@
-/* gpu_gl.c - the viewer on OpenGL 4.3: sun's shadow map, G-buffer, the plan through backends/hbil_gl.h, tone mapping.
+/* gpu_gl.c - the viewer on OpenGL 4.3: sun's shadow map, G-buffer, the plan through backends/hbil_gl.h, tone
+ * mapping.
  *
- * The context is the window's, or without a window one of EGL or OSMesa, which examples/frame/runner_gl.c opens; the implementation
- * of hbil_gl.h is there, too. What concerns hbil.h is in gl_plan, hand_over (its inputs and outputs) and gl_frame. */
+ * The context is the window's, or without a window one of EGL or OSMesa, which examples/frame/runner_gl.c opens;
+ * the implementation of hbil_gl.h is there, too. What concerns hbil.h is in gl_plan, hand_over (its inputs and
+ * outputs) and gl_frame. */
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <GL/glcorearb.h>
@@ -127,8 +129,8 @@ static int load_functions(gl_gpu *g)
     return 1;
 }
 
-static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text,
-                                const void *user)
+static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                                const GLchar *text, const void *user)
 {
     gl_gpu *g = NULL;
 
@@ -311,8 +313,8 @@ static int hand_over(gl_gpu *g)
         const int target = gpu_input_of(texture->name);
         if (texture->life == HBIL_LIFE_INPUT && target >= 0) names[t] = g->views[target];
         if (texture->life == HBIL_LIFE_OUTPUT)
-            names[t] = make_texture(g, &g->outputs[t], hbil_gl_format((hbil_format)texture->format), g->width, g->height,
-                                    texture->dim == HBIL_DIM_2D_ARRAY ? texture->layers : 0);
+            names[t] = make_texture(g, &g->outputs[t], hbil_gl_format((hbil_format)texture->format), g->width,
+                                    g->height, texture->dim == HBIL_DIM_2D_ARRAY ? texture->layers : 0);
     }
     return hbil_gl_resize(&g->light, (uint32_t)g->width, (uint32_t)g->height, names) == HBIL_GL_OK
         || FAIL(g, "%s", g->light.message);
@@ -342,7 +344,7 @@ static int gl_plan(void *gpu, const hbil_plan *plan)
 static int gl_resize(void *gpu, int width, int height)
 {
     gl_gpu *g = gpu;
-    GLenum  colours[TARGETS - 1];
+    GLenum  colours[TARGETS - 1], attachment;
     int     t;
 
     g->width = width;
@@ -350,8 +352,9 @@ static int gl_resize(void *gpu, int width, int height)
     g->gl.BindFramebuffer(GL_FRAMEBUFFER, g->fbos[FBO_SCENE]);
     for (t = 0; t < TARGETS; t++) {
         make_texture(g, &g->views[t], target_formats[t], width, height, 0);
-        g->gl.FramebufferTexture(GL_FRAMEBUFFER, t ? GL_COLOR_ATTACHMENT0 + (GLenum)t - 1 : GL_DEPTH_ATTACHMENT, g->views[t], 0);
-        if (t) colours[t - 1] = GL_COLOR_ATTACHMENT0 + (GLenum)t - 1;
+        attachment = t ? GL_COLOR_ATTACHMENT0 + (GLenum)t - 1 : GL_DEPTH_ATTACHMENT;
+        g->gl.FramebufferTexture(GL_FRAMEBUFFER, attachment, g->views[t], 0);
+        if (t) colours[t - 1] = attachment;
     }
     g->gl.DrawBuffers(TARGETS - 1, colours);
     if (g->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
@@ -360,8 +363,8 @@ static int gl_resize(void *gpu, int width, int height)
     /* a second name for the same texels, with alpha where red is read */
     g->gl.DeleteTextures(1, &g->views[TARGET_ROUGHNESS]);
     g->gl.GenTextures(1, &g->views[TARGET_ROUGHNESS]);
-    g->gl.TextureView(g->views[TARGET_ROUGHNESS], GL_TEXTURE_2D, g->views[TARGET_SPECULAR], target_formats[TARGET_SPECULAR],
-                      0, 1, 0, 1);
+    g->gl.TextureView(g->views[TARGET_ROUGHNESS], GL_TEXTURE_2D, g->views[TARGET_SPECULAR],
+                      target_formats[TARGET_SPECULAR], 0, 1, 0, 1);
     g->gl.BindTexture(GL_TEXTURE_2D, g->views[TARGET_ROUGHNESS]);
     g->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R, GL_ALPHA);
 

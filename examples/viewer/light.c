@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../frame/image.h"
+
 /* What this renderer's images and matrices are. */
 static const char given[] = "depth=device depth_direction=forward depth_far=finite projection=perspective "
                             "normals=world normal_encoding=xyz multisample=no";
@@ -36,7 +38,8 @@ int light_preset(light *l, const char *name, char *message, size_t message_size)
     hbil_diag   diag;
     hbil_diags  diags = {&diag, 1, 0};
 
-    if (hbil_config_preset(name, &config, &diags) != HBIL_OK) return snprintf(message, message_size, "%s", diag.text), 0;
+    if (hbil_config_preset(name, &config, &diags) != HBIL_OK)
+        return frame_error(message, message_size, "%s", diag.text);
     l->wanted = config;
     l->own_outputs = 0;
     snprintf(l->preset, sizeof l->preset, "%s", name);
@@ -45,8 +48,8 @@ int light_preset(light *l, const char *name, char *message, size_t message_size)
 
 int light_set(light *l, const char *text, char *message, size_t message_size)
 {
-    static const char *const ours[] = {"target", "depth", "depth_direction", "depth_far", "clip", "projection", "normals",
-                                       "normal_encoding", "multisample", "width", "height"};
+    static const char *const ours[] = {"target", "depth", "depth_direction", "depth_far", "clip", "projection",
+                                       "normals", "normal_encoding", "multisample", "width", "height"};
     hbil_config config = l->wanted;
     hbil_diag   diag;
     hbil_diags  diags = {&diag, 1, 0};
@@ -54,13 +57,13 @@ int light_set(light *l, const char *text, char *message, size_t message_size)
 
     config.outputs = 0;
     if (hbil_config_parse(&config, text, strlen(text), &diags) != HBIL_OK)
-        return snprintf(message, message_size, "%s", diag.text), 0;
+        return frame_error(message, message_size, "%s", diag.text);
     for (i = 0; i < sizeof ours / sizeof *ours; i++)
         if (*member(&config, ours[i]))
-            return snprintf(message, message_size, "%s follows from the images of this renderer: leave it out", ours[i]), 0;
+            return frame_error(message, message_size, "%s follows from this renderer's images: leave it out", ours[i]);
     if (config.environment > HBIL_ENVIRONMENT_SH)
-        return snprintf(message, message_size, "environment: this renderer has no cube map, probes or hook. Take none, constant "
-                        "or sh"), 0;
+        return frame_error(message, message_size, "environment: this renderer has no cube map, probes or hook. "
+                           "Take none, constant or sh");
     if (config.outputs) l->own_outputs = 1;
     else config.outputs = l->wanted.outputs;
     l->wanted = config;
@@ -85,7 +88,8 @@ int light_step(light *l, const char *option, const char *values, int by, int end
         if (row->kind == HBIL_KIND_INT ? *member(&trial, option) <= now : *member(&trial, option) == now) at = count;
     }
     next = ends ? at + by : (at + by % count + count) % count;
-    if (next < 0 || next >= count) return snprintf(message, message_size, "%s: the keys end at %s", option, value[at]), 0;
+    if (next < 0 || next >= count)
+        return frame_error(message, message_size, "%s: the keys end at %s", option, value[at]);
     hbil_config_set(&l->wanted, option, value[next], NULL);
     snprintf(message, message_size, "%s=%s", option, value[next]);
     return 1;
@@ -167,7 +171,8 @@ int light_show(const hbil_plan *plan, const light_view *view, int32_t *texture, 
 {
     /* what stands in for composite, the best first: the sum of near and far, ao of all bounces, ao */
     static const struct { const char *output; gpu_mode mode; } composed[] = {
-        {"composite", MODE_RADIANCE}, {"irradiance", MODE_IRRADIANCE}, {"multi_bounce", MODE_VISIBILITY}, {"ao", MODE_AO}};
+        {"composite", MODE_RADIANCE}, {"irradiance", MODE_IRRADIANCE}, {"multi_bounce", MODE_VISIBILITY},
+        {"ao", MODE_AO}};
     size_t i;
 
     *texture = -1;

@@ -11,14 +11,17 @@ typedef struct light {
     hbil_plan   plan;        /* of the last light_build */
 } light;
 
-/* All: 1, or 0 with *l as it was and message[] saying why. To change one in use, change a copy and keep it if that worked. */
+/* All: 1, or 0 with *l as it was and message[] saying why. To change one in use, change a copy and keep it if that
+ * worked. */
 int light_preset(light *l, const char *name, char *message, size_t message_size);
 /* "slices=2,temporal=yes". Options that follow from this renderer are refused. */
 int light_set(light *l, const char *text, char *message, size_t message_size);
-/* Set the option to the next (by 1) or the last (by -1) of `values`, blank-separated, from where the plan is. ends: do not go round. */
+/* Set the option to the next (by 1) or the last (by -1) of `values`, blank-separated, from where the plan is.
+ * ends: do not go round. */
 int light_step(light *l, const char *option, const char *values, int by, int ends, char *message, size_t message_size);
-/* The plan for one API (gl: 1). Adds an environment and the outputs that the views show, as far as they were left open and the config
- * allows them. about: NULL, or an option of which message[] gets what hbil.h notes, as that it has no effect. */
+/* The plan for one API (gl: 1). Adds an environment and the outputs that the views show, as far as they were left
+ * open and the config allows them. about: NULL, or an option of which message[] gets what hbil.h notes, as that it
+ * has no effect. */
 int light_build(light *l, int gl, const char *about, char *message, size_t message_size);
 
 /* The sky as what environment=constant and sh read. */

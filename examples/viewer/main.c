@@ -1,7 +1,7 @@
 /* hbil-viewer - a small renderer with hbil.h in it: walk about, switch presets and options, see each output.
  *
- * For what an engine does with hbil.h, read light.c (a config becomes a plan), then gpu_vk.c or gpu_gl.c (a plan meets a G-buffer), then
- * draw_frame here (what changes from frame to frame). */
+ * For what an engine does with hbil.h, read light.c (a config becomes a plan), then gpu_vk.c or gpu_gl.c (a plan
+ * meets a G-buffer), then draw_frame here (what changes from frame to frame). */
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
@@ -58,6 +58,8 @@ typedef struct app {
     char           error[1024];
 } app;
 
+#define FAULT(a, ...) frame_error((a)->error, sizeof (a)->error, __VA_ARGS__)
+
 static int fail(app *a, int code)
 {
     fprintf(stderr, "hbil-viewer: %s\n", a->error);
@@ -83,10 +85,12 @@ static void say(app *a, const char *text)
     fprintf(stderr, "%s\n", text);
 }
 
-/* Use `next` from the next frame on, or say why not and stay with what is: 0. text: what has changed, or room for what hbil.h notes. */
+/* Use `next` from the next frame on, or say why not and stay with what is: 0. text: what has changed, or room for
+ * what hbil.h notes. */
 static int change_light(app *a, light *next, const char *about, char *text, size_t text_size)
 {
-    const int built = light_build(next, a->args.gl, about, text, text_size), used = built && a->gpu->plan(a->device, &next->plan);
+    const int built = light_build(next, a->args.gl, about, text, text_size);
+    const int used = built && a->gpu->plan(a->device, &next->plan);
 
     if (used) {
         a->light = *next;
@@ -200,8 +204,9 @@ static const struct { int key; const char *label, *what; void (*act)(app *a); } 
 
 /* Held down without Shift. move: along right, forward and up. */
 static const struct { int key; const char *label; float move[3]; } camera_keys[] = {
-    {GLFW_KEY_W, "W", {0.0f, 1.0f, 0.0f}},  {GLFW_KEY_S, "S", {0.0f, -1.0f, 0.0f}}, {GLFW_KEY_A, "A", {-1.0f, 0.0f, 0.0f}},
-    {GLFW_KEY_D, "D", {1.0f, 0.0f, 0.0f}},  {GLFW_KEY_E, "E", {0.0f, 0.0f, 1.0f}},  {GLFW_KEY_Q, "Q", {0.0f, 0.0f, -1.0f}},
+    {GLFW_KEY_W, "W", {0.0f, 1.0f, 0.0f}},  {GLFW_KEY_S, "S", {0.0f, -1.0f, 0.0f}},
+    {GLFW_KEY_A, "A", {-1.0f, 0.0f, 0.0f}}, {GLFW_KEY_D, "D", {1.0f, 0.0f, 0.0f}},
+    {GLFW_KEY_E, "E", {0.0f, 0.0f, 1.0f}},  {GLFW_KEY_Q, "Q", {0.0f, 0.0f, -1.0f}},
 };
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
@@ -210,16 +215,17 @@ static void step_option(app *a, int row)
 {
     light next = a->light;
     char  text[sizeof a->message];
+    const char *option = option_keys[row].option, *values = option_keys[row].values;
     int   by = option_keys[row].by;
 
     if (row != a->row) a->refused = 0;
     a->row = row;
     by *= 1 + a->refused;
-    if (!light_step(&next, option_keys[row].option, option_keys[row].values, by, option_keys[row].ends, text, sizeof text)) {
+    if (!light_step(&next, option, values, by, option_keys[row].ends, text, sizeof text)) {
         say(a, text);
         a->refused = 0;
     } else {
-        a->refused = change_light(a, &next, option_keys[row].option, text, sizeof text) ? 0 : a->refused + 1;
+        a->refused = change_light(a, &next, option, text, sizeof text) ? 0 : a->refused + 1;
     }
 }
 
@@ -234,7 +240,8 @@ static void press(app *a, int key, int shift)
     for (i = 0; i < COUNT(action_keys); i++)
         if (key == action_keys[i].key) action_keys[i].act(a);
     for (i = 0; i < COUNT(option_keys); i++)
-        if (key == option_keys[i].key && (option_keys[i].shift < 0 || option_keys[i].shift == shift)) step_option(a, (int)i);
+        if (key == option_keys[i].key && (option_keys[i].shift < 0 || option_keys[i].shift == shift))
+            step_option(a, (int)i);
 }
 
 /* The key of a label: its length, and which one it is; 0: there is none. */
@@ -246,7 +253,8 @@ static size_t find_key(const char *text, int *key, int *shift)
     *shift = 0;
     *key = length == 1 && *text >= '0' && *text <= '9' ? GLFW_KEY_0 + (*text - '0') : 0;
     for (i = 0; i < COUNT(action_keys); i++)
-        if (strlen(action_keys[i].label) == length && strncmp(text, action_keys[i].label, length) == 0) *key = action_keys[i].key;
+        if (strlen(action_keys[i].label) == length && strncmp(text, action_keys[i].label, length) == 0)
+            *key = action_keys[i].key;
     for (i = 0; i < COUNT(option_keys); i++) {
         if (strlen(option_keys[i].label) != length || strncmp(text, option_keys[i].label, length) != 0) continue;
         *key = option_keys[i].key;
@@ -280,7 +288,8 @@ static void on_mouse(GLFWwindow *window, double x, double y)
     glfwGetWindowSize(window, &width, &height);
     a->split = (float)(x * a->width / (width > 0 ? width : 1));
     if (glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS) {
-        const float turn = 2.0f * a->camera.half_fov / (float)(height > 0 ? height : 1); /* the surface follows the mouse */
+        /* what is seen follows the mouse */
+        const float turn = 2.0f * a->camera.half_fov / (float)(height > 0 ? height : 1);
         a->camera.yaw += turn * (float)(x - a->mouse[0]);
         a->camera.pitch = fmaxf(-1.5f, fminf(1.5f, a->camera.pitch + turn * (float)(y - a->mouse[1])));
     }
@@ -340,8 +349,8 @@ static void print_help(void)
     for (k = 0; light_view_at(k); k++) printf("  %-17s %s\n", light_view_at(k)->name, light_view_at(k)->what);
     puts("\npresets:");
     for (k = 0; hbil_preset_name(k); k++) printf("  %-17s %s\n", hbil_preset_name(k), hbil_preset_meaning(k));
-    puts("\nexit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written; 5 window, backend or driver missing or\n"
-         "      failed, or a message of --validate");
+    puts("\nexit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written; 5 window, backend or driver\n"
+         "      missing or failed, or a message of --validate");
 }
 
 /* Whole number in [min, max] and nothing behind it. */
@@ -369,14 +378,15 @@ static int read_size(const char *text, int *width, int *height)
 static int read_argument(app *a, const char *name, const char *value)
 {
     const struct { const char *name; const char **target; } texts[] = {
-        {"--scene", &a->args.scene}, {"--model", &a->args.model}, {"--preset", &a->args.preset}, {"--view", &a->args.view},
-        {"--png", &a->args.png},     {"--screenshot", &a->args.screenshot}, {"--press", &a->args.press},
+        {"--scene", &a->args.scene}, {"--model", &a->args.model}, {"--preset", &a->args.preset},
+        {"--view", &a->args.view},   {"--png", &a->args.png},     {"--screenshot", &a->args.screenshot},
+        {"--press", &a->args.press},
     };
     char  *end;
     size_t i;
 
     if (!value || !*value || strncmp(value, "--", 2) == 0)
-        return frame_error(a->error, sizeof a->error, "%s: unknown, or without its value; hbil-viewer --help lists all", name);
+        return FAULT(a, "%s: unknown, or without its value; hbil-viewer --help lists all", name);
     for (i = 0; i < COUNT(texts); i++) {
         if (strcmp(name, texts[i].name) != 0) continue;
         *texts[i].target = value;
@@ -385,16 +395,16 @@ static int read_argument(app *a, const char *name, const char *value)
     if (strcmp(name, "--set") == 0) return a->args.sets[a->args.set_count++] = value, 1;
     if (strcmp(name, "--size") == 0)
         return read_size(value, &a->args.width, &a->args.height)
-            || frame_error(a->error, sizeof a->error, "--size %s: must be WxH, each in [1, 8192], as in 640x360", value);
+            || FAULT(a, "--size %s: must be WxH, each in [1, 8192], as in 640x360", value);
     if (strcmp(name, "--frames") == 0)
         return read_int(value, 1, 99999, &a->args.frames)
-            || frame_error(a->error, sizeof a->error, "--frames %s: must be a whole number in [1, 99999]", value);
+            || FAULT(a, "--frames %s: must be a whole number in [1, 99999]", value);
     if (strcmp(name, "--exposure") == 0) {
         a->args.exposure = strtof(value, &end);
         return (!*end && a->args.exposure > 0.0f && a->args.exposure < 1e6f)
-            || frame_error(a->error, sizeof a->error, "--exposure %s: must be a number above 0", value);
+            || FAULT(a, "--exposure %s: must be a number above 0", value);
     }
-    return frame_error(a->error, sizeof a->error, "%s: unknown; hbil-viewer --help lists all", name);
+    return FAULT(a, "%s: unknown; hbil-viewer --help lists all", name);
 }
 
 static int check_arguments(app *a)
@@ -404,23 +414,23 @@ static int check_arguments(app *a)
     size_t      length;
     int         i, key, shift;
 
-    if (g->scene && g->model) return frame_error(a->error, sizeof a->error, "--scene and --model: give one of them");
+    if (g->scene && g->model) return FAULT(a, "--scene and --model: give one of them");
     for (i = 0; g->scene && model_scene_name(i) && strcmp(g->scene, model_scene_name(i)) != 0; i++) {}
     if (g->scene && !model_scene_name(i))
-        return frame_error(a->error, sizeof a->error, "--scene %s: must be one of those that hbil-viewer --help lists", g->scene);
+        return FAULT(a, "--scene %s: must be one of those that hbil-viewer --help lists", g->scene);
     a->scene = g->model ? -1 : g->scene ? i : 0;
     for (i = 0; g->view && light_view_at(i) && strcmp(g->view, light_view_at(i)->name) != 0; i++) {}
     if (g->view && !light_view_at(i))
-        return frame_error(a->error, sizeof a->error, "--view %s: must be one of those that hbil-viewer --help lists", g->view);
+        return FAULT(a, "--view %s: must be one of those that hbil-viewer --help lists", g->view);
     a->view = i;
-    if (g->headless && !g->frames) return frame_error(a->error, sizeof a->error, "--headless needs --frames N");
-    if (g->png && !g->headless) return frame_error(a->error, sizeof a->error, "--png belongs to --headless; with a window "
+    if (g->headless && !g->frames) return FAULT(a, "--headless needs --frames N");
+    if (g->png && !g->headless) return FAULT(a, "--png belongs to --headless; with a window "
                                                    "it is --screenshot FILE");
     if (g->screenshot && (g->headless || !g->frames))
-        return frame_error(a->error, sizeof a->error, "--screenshot needs a window and --frames N; headless it is --png DIR");
+        return FAULT(a, "--screenshot needs a window and --frames N; headless it is --png DIR");
     for (press = g->press; press && *press; press += length + strspn(press + length, " "))
         if (!(length = find_key(press, &key, &shift)))
-            return frame_error(a->error, sizeof a->error, "--press: no key %s; hbil-viewer --help lists all", press);
+            return FAULT(a, "--press: no key %s; hbil-viewer --help lists all", press);
     if (!g->width) {
         g->width = g->headless ? 640 : 1280;
         g->height = g->headless ? 360 : 720;
@@ -453,8 +463,8 @@ static void write_overlay(app *a, char *text, size_t size)
     size_t            used;
     int               i;
 
-    used = (size_t)snprintf(text, size, "%s, %s, %dx%d\npreset %s, view %s\n\n", a->device_name, a->gpu->name, a->width, a->height,
-                            a->light.preset, view->name);
+    used = (size_t)snprintf(text, size, "%s, %s, %dx%d\npreset %s, view %s\n\n", a->device_name, a->gpu->name, a->width,
+                            a->height, a->light.preset, view->name);
     for (i = 0; i < a->time_count && used < size; i++) {
         used += (size_t)snprintf(text + used, size - used, "%8.2f ms  %s\n", a->times[i].ms, a->times[i].name);
         total += a->times[i].ms;
@@ -524,7 +534,7 @@ static int write_picture(app *a, const char *path, const unsigned char *pixels)
     size_t i, count = (size_t)a->width * (size_t)a->height;
     int    c, ok;
 
-    if (!image_make(&picture, a->width, a->height, 3)) return frame_error(a->error, sizeof a->error, "%s: out of memory", path);
+    if (!image_make(&picture, a->width, a->height, 3)) return FAULT(a, "%s: out of memory", path);
     for (i = 0; i < count; i++)
         for (c = 0; c < 3; c++) picture.data[3 * i + (size_t)c] = (float)pixels[4 * i + (size_t)c] / 255.0f;
     ok = png_write(path, &picture, 0, a->error, sizeof a->error);
@@ -538,7 +548,8 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* history: a row of GPU_TIMES for each frame. The first with a plan is left out if there are others: shaders are compiled in it. */
+/* history: a row of GPU_TIMES for each frame. The first with a plan is left out if there are others: shaders are
+ * compiled in it. */
 static void print_times(const app *a, double *history, int frames)
 {
     const int first = (int)a->since + ((int)a->since + 1 < frames), count = frames - first;
@@ -568,7 +579,7 @@ static int run_headless(app *a)
     char           path[4096];
     int            i, t, code = DONE;
 
-    if (!pixels || !history) frame_error(a->error, sizeof a->error, "out of memory");
+    if (!pixels || !history) FAULT(a, "out of memory");
     if (!pixels || !history) code = fail(a, BACKEND);
     a->split = 0.5f * (float)a->width;
     for (i = 0; i < frames && code == DONE; i++) {
@@ -602,7 +613,7 @@ static void on_glfw_error(int code, const char *text)
 static int open_window(app *a)
 {
     glfwSetErrorCallback(on_glfw_error);
-    if (!glfwInit()) return frame_error(a->error, sizeof a->error, "no display: set DISPLAY, or use --headless");
+    if (!glfwInit()) return FAULT(a, "no display: set DISPLAY, or use --headless");
     if (a->args.gl) {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -613,7 +624,7 @@ static int open_window(app *a)
     }
     a->window = glfwCreateWindow(a->args.width, a->args.height, "hbil-viewer", NULL, NULL);
     if (!a->window)
-        return frame_error(a->error, sizeof a->error, a->args.gl ? "no window with OpenGL 4.3: leave out --gl, or use --headless"
+        return FAULT(a, a->args.gl ? "no window with OpenGL 4.3: leave out --gl, or use --headless"
                                                                  : "no window: use --headless");
     glfwSetWindowUserPointer(a->window, a);
     glfwSetKeyCallback(a->window, on_key);
@@ -654,7 +665,8 @@ static int run_window(app *a)
     unsigned char *pixels = NULL;
     double         before = seconds(), now;
 
-    while (!glfwWindowShouldClose(a->window) && a->code == DONE && (!a->args.frames || (int)a->index < a->args.frames)) {
+    while (!glfwWindowShouldClose(a->window) && a->code == DONE &&
+           (!a->args.frames || (int)a->index < a->args.frames)) {
         const int last = a->args.frames && (int)a->index + 1 == a->args.frames;
         glfwPollEvents();
         if (a->index > 0) press_next(a);
@@ -688,10 +700,11 @@ static int load(app *a)
         if (!light_set(&a->light, a->args.sets[i], a->error, sizeof a->error)) return fail(a, REFUSED);
     if (!light_build(&a->light, a->args.gl, NULL, a->error, sizeof a->error)) return fail(a, REFUSED);
     if (a->args.model ? !model_file(&a->model, a->args.model, a->error, sizeof a->error)
-                      : !model_scene(&a->model, model_scene_name(a->scene), a->error, sizeof a->error)) return fail(a, FILES);
+                      : !model_scene(&a->model, model_scene_name(a->scene), a->error, sizeof a->error))
+        return fail(a, FILES);
     if (a->args.exposure > 0.0f) a->model.exposure = a->args.exposure;
     if (a->args.png && mkdir(a->args.png, 0777) != 0 && (stat(a->args.png, &folder) != 0 || !S_ISDIR(folder.st_mode))) {
-        frame_error(a->error, sizeof a->error, "%s: cannot make this folder: %s", a->args.png, strerror(errno));
+        FAULT(a, "%s: cannot make this folder: %s", a->args.png, strerror(errno));
         return fail(a, FILES);
     }
     camera_start(&a->camera, &a->model, 0.0f);
@@ -713,12 +726,13 @@ static int run(app *a)
     setup.error_size = sizeof a->error;
     a->gpu = a->args.gl ? &gpu_gl : &gpu_vulkan;
     a->device = a->gpu->open(&setup, a->device_name);
-    if (!a->device || !a->gpu->model(a->device, a->model.vertices, a->model.count) || !a->gpu->plan(a->device, &a->light.plan) ||
-        !a->gpu->resize(a->device, a->width, a->height)) return fail(a, BACKEND);
+    if (!a->device || !a->gpu->model(a->device, a->model.vertices, a->model.count) ||
+        !a->gpu->plan(a->device, &a->light.plan) || !a->gpu->resize(a->device, a->width, a->height))
+        return fail(a, BACKEND);
     a->reset = 1;
     code = a->window ? run_window(a) : run_headless(a);
     if (code == DONE && a->gpu->messages(a->device) > 0) {
-        frame_error(a->error, sizeof a->error, "%d messages of validation, see above", a->gpu->messages(a->device));
+        FAULT(a, "%d messages of validation, see above", a->gpu->messages(a->device));
         code = fail(a, BACKEND);
     }
     return code;

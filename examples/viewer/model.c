@@ -17,7 +17,8 @@ static const struct { const char *name; float eye[3], pivot[3], half_fov, sun[3]
     {"fence", {0.9f, -4.2f, 3.4f}, {0.1f, 0.2f, 0.5f}, 0.30f, {-0.55f, -0.72f, 0.55f}, {2.9f, 2.45f, 1.85f}, 5.0f},
 };
 
-/* glTF ends emission at 1, what is white on a screen; the extension that lifts it is not read by assimp 5.2. The sun here is at 6. */
+/* glTF ends emission at 1, what is white on a screen; the extension that lifts it is not read by assimp 5.2. The
+ * sun here is at 6. */
 #define GLOW 8.0f
 
 static void unit(float v[3])
@@ -137,7 +138,8 @@ static size_t count_corners(const struct aiScene *scene)
     unsigned i;
 
     for (i = 0; i < scene->mNumMeshes; i++)
-        if (scene->mMeshes[i]->mPrimitiveTypes == aiPrimitiveType_TRIANGLE) count += 3 * (size_t)scene->mMeshes[i]->mNumFaces;
+        if (scene->mMeshes[i]->mPrimitiveTypes == aiPrimitiveType_TRIANGLE)
+            count += 3 * (size_t)scene->mMeshes[i]->mNumFaces;
     return count;
 }
 
@@ -169,8 +171,9 @@ static const struct aiNode *find_node(const struct aiNode *node, const struct ai
     return found;
 }
 
-/* Where the node of that name is and where its -z points. To be asked before aiProcess_PreTransformVertices takes the nodes away. Cameras
- * and lights of glTF have no place of their own in it, whatever assimp 5.2 writes into mPosition. */
+/* Where the node of that name is and where its -z points. To be asked before aiProcess_PreTransformVertices takes
+ * the nodes away. Cameras and lights of glTF have no place of their own in it, whatever assimp 5.2 writes into
+ * mPosition. */
 static int place_of(const struct aiScene *scene, const struct aiString *name, float origin[3], float forward[3])
 {
     const struct aiNode *node = find_node(scene->mRootNode, name);

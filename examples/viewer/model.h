@@ -21,8 +21,8 @@ typedef struct model {
 const char *model_scene_name(int index);
 /* 1 on success; 0: error[] says why. The names are those of examples/frame/scene.c. */
 int  model_scene(model *out, const char *name, char *error, size_t error_size);
-/* glTF, OBJ and what else assimp reads: triangles with base colour, emission, metallic and roughness of their material; textures are
- * not read. The first camera of the file, else one that sees all of it. +Y up in the file. */
+/* glTF, OBJ and what else assimp reads: triangles with base colour, emission, metallic and roughness of their
+ * material; textures are not read. The first camera of the file, else one that sees all of it. +Y up in the file. */
 int  model_file(model *out, const char *path, char *error, size_t error_size);
 void model_free(model *m);
 

@@ -1,10 +1,10 @@
 /* check.c - asserts numbers of PNG pictures, for run.sh.
  *
- *   viewer-check mean A.png LOW HIGH          mean of all channels, 0 to 255
- *   viewer-check spread A.png LOW HIGH        their standard deviation
- *   viewer-check differ A.png B.png LOW HIGH  mean absolute difference
+ * viewer-check mean A.png LOW HIGH mean of all channels, 0 to 255 viewer-check spread A.png LOW HIGH their
+ * standard deviation viewer-check differ A.png B.png LOW HIGH mean absolute difference
  *
- * exit: 0 LOW <= number <= HIGH; 1 not, and the number is printed; 2 usage; 3 a picture cannot be read, or sizes differ. */
+ * exit: 0 LOW <= number <= HIGH; 1 not, and the number is printed; 2 usage; 3 a picture cannot be read, or sizes
+ * differ. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,6 +67,7 @@ int main(int argc, char **argv)
     stbi_image_free(a.data);
     stbi_image_free(b.data);
     if (number >= low && number <= high) return 0;
-    printf("%s %s%s%s is %.3f, not in [%g, %g]\n", argv[1], argv[2], differ ? " " : "", differ ? argv[3] : "", number, low, high);
+    printf("%s %s%s%s is %.3f, not in [%g, %g]\n", argv[1], argv[2], differ ? " " : "", differ ? argv[3] : "", number,
+           low, high);
     return 1;
 }

@@ -12,8 +12,8 @@ layout(location = 3) out vec4 o_motion;
 layout(location = 4) out vec4 o_specular;
 layout(binding = 1) uniform sampler2D u_shadow;
 
-// Lit part of 3x3 texels. Bias: along the normal by a texel, more where the sun grazes. A texel without any surface lies past the
-// edge of this one, and would let light through where two walls meet.
+// Lit part of 3x3 texels. Bias: along the normal by a texel, more where the sun grazes. A texel without any surface
+// lies past the edge of this one, and would let light through where two walls meet.
 float sun_visibility(vec3 normal, float facing)
 {
     vec3 at = (u_sun_texture * vec4(v_position + normal * u_sun.w * (2.5 - 1.5 * facing), 1.0)).xyz;
