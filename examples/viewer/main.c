@@ -144,7 +144,8 @@ static void next_scene(app *a)
     if (!model_scene_name(++a->scene)) a->scene = 0;
     if (!model_scene(&next, model_scene_name(a->scene), a->error, sizeof a->error) ||
         !a->gpu->model(a->device, next.vertices, next.count)) {
-        say(a, a->error);
+        model_free(&next);
+        fail(a, BACKEND); /* nothing is left to draw */
         return;
     }
     model_free(&a->model);
@@ -585,7 +586,8 @@ static int run_headless(app *a)
     for (i = 0; i < frames && code == DONE; i++) {
         if (i > 0) press_next(a);
         swing(a);
-        if (!draw_frame(a, a->args.png ? pixels : NULL)) {
+        code = a->code;
+        if (code == DONE && !draw_frame(a, a->args.png ? pixels : NULL)) {
             code = fail(a, BACKEND);
             break;
         }
