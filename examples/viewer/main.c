@@ -578,31 +578,30 @@ static int run_headless(app *a)
     unsigned char *pixels = malloc((size_t)a->width * (size_t)a->height * 4);
     double        *history = calloc((size_t)frames * GPU_TIMES, sizeof *history), told = seconds();
     char           path[4096];
-    int            i, t, code = DONE;
+    int            i, t;
 
-    if (!pixels || !history) FAULT(a, "out of memory");
-    if (!pixels || !history) code = fail(a, BACKEND);
+    if (!pixels || !history) {
+        FAULT(a, "out of memory");
+        fail(a, BACKEND);
+    }
     a->split = 0.5f * (float)a->width;
-    for (i = 0; i < frames && code == DONE; i++) {
+    for (i = 0; i < frames && a->code == DONE; i++) {
         if (i > 0) press_next(a);
         swing(a);
-        code = a->code;
-        if (code == DONE && !draw_frame(a, a->args.png ? pixels : NULL)) {
-            code = fail(a, BACKEND);
-            break;
-        }
+        if (a->code == DONE && !draw_frame(a, a->args.png ? pixels : NULL)) fail(a, BACKEND);
+        if (a->code != DONE) break;
         for (t = 0; t < a->time_count; t++) history[i * GPU_TIMES + t] = a->times[t].ms;
         snprintf(path, sizeof path, "%s/frame-%03d.png", a->args.png ? a->args.png : "", i);
-        if (a->args.png && !write_picture(a, path, pixels)) code = fail(a, FILES);
+        if (a->args.png && !write_picture(a, path, pixels)) fail(a, FILES);
         if (seconds() - told >= 2.0) {
             fprintf(stderr, "frame %d of %d\n", i + 1, frames);
             told = seconds();
         }
     }
-    if (code == DONE) print_times(a, history, frames);
+    if (a->code == DONE) print_times(a, history, frames);
     free(history);
     free(pixels);
-    return code;
+    return a->code;
 }
 
 /* ---- the window -------------------------------------------------------------------------------------------------- */
