@@ -10,16 +10,16 @@ set -eu
 
 # cmake runs ninja and, for the libraries, pkg-config; glslang's archives are C++, so g++ even for C programs.
 build='cmake ninja-build pkg-config gcc g++ libc6-dev'
-# text to SPIR-V, images, JSON, rays
-build="$build glslang-dev spirv-tools libopenexr-dev libcjson-dev libstb-dev libembree-dev"
+# text to SPIR-V, to HLSL and MSL, images, JSON, rays
+build="$build glslang-dev spirv-tools spirv-headers libspirv-cross-c-shared-dev libopenexr-dev libcjson-dev libstb-dev libembree-dev"
 # Vulkan: headers, loader, meta loader, software driver
 build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 # GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver
 build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
-# a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma
-test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales'
+# a second compiler, the test runner, validation, locales with a decimal comma, GLFW beside hbil.h
+test='clang libcmocka-dev vulkan-validationlayers locales libglfw3-dev'
 # hbil-viewer, and a display for its test
-test="$test libglfw3-dev libassimp-dev xvfb xauth"
+test="$test libassimp-dev xvfb xauth"
 
 case "${1-}" in
     build) wanted=$build ;;
