@@ -512,7 +512,7 @@ static int draw_frame(app *a, unsigned char *pixels)
 
     if (!light_show(&a->light.plan, light_view_at(a->view), &f.shown, &mode) && a->window)
         snprintf(a->message, sizeof a->message, "this config has no output %s", light_view_at(a->view)->output);
-    f.scene.mode = mode;
+    f.scene.mode = (int32_t)mode;
     f.pixels = pixels;
     if (a->overlay) {
         write_overlay(a, text, sizeof text);
