@@ -192,7 +192,7 @@ static void make_vertex_arrays(gl_gpu *g)
     for (i = 0; i < 5; i++) {
         g->gl.EnableVertexAttribArray(i);
         g->gl.VertexAttribPointer(i, rows[i][1], GL_FLOAT, GL_FALSE, sizeof(gpu_vertex),
-                                  (const char *)NULL + (size_t)rows[i][0] * sizeof(float));
+                                  (const void *)((size_t)rows[i][0] * sizeof(float)));
     }
     g->gl.BindVertexArray(g->vaos[VAO_TEXT]);
     g->gl.BindBuffer(GL_ARRAY_BUFFER, g->buffers[BUFFER_TEXT]);
