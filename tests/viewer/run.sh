@@ -3,8 +3,8 @@
 #
 #   sh tests/viewer/run.sh HBIL-VIEWER VIEWER-CHECK ROOM.gltf
 #
-# A line per fault and a count at the end. A backend without a driver is left out and said so; 77 if neither runs. Without xvfb-run the
-# windows are left out: 77, too, if all else passes.
+# A line per fault and a count at the end. A backend without a driver is left out and said so; 77 if neither runs. Without
+# xvfb-run the windows are left out: 77, too, if all else passes.
 set -u
 
 if [ $# -ne 3 ] || [ ! -x "$1" ] || [ ! -x "$2" ] || [ ! -f "$3" ]; then
@@ -36,7 +36,13 @@ expect() # CODE COMMAND ...
     return 1
 }
 check() { expect 0 "$checker" "$@"; }
-says()  { checks=$((checks + 1)); grep -qF -e "$1" "$work/log" || { fault "not said: $1"; sed 's/^/      /' "$work/log" | tail -5; }; }
+says()
+{
+    checks=$((checks + 1))
+    grep -qF -e "$1" "$work/log" && return 0
+    fault "not said: $1"
+    sed 's/^/      /' "$work/log" | tail -5
+}
 
 # ---------------------------------------------------------------------------------------------------- command line
 
@@ -74,7 +80,8 @@ for backend in vulkan gl; do
         [ "$scene" = cornell ] || what="--model $room"
         out=$work/$backend-$scene
         # shellcheck disable=SC2086
-        expect 0 "$viewer" $flag --headless $what --frames 8 --size 240x135 --press 'V V V V V V V' --png "$out" || continue
+        expect 0 "$viewer" $flag --headless $what --frames 8 --size 240x135 --press 'V V V V V V V' --png "$out" \
+            || continue
         says median
         says sweep
         check differ "$out/frame-000.png" "$out/frame-002.png" 15 200 # composite is more than the direct light
@@ -108,7 +115,8 @@ noisy=march=sampled,slices=1,steps=4,outputs=ao+near+far+composite
 for history in no yes "yes,reproject=gather"; do
     out=$work/history-${history#yes,reproject=}
     # shellcheck disable=SC2086
-    expect 0 "$viewer" $flag --headless --model "$room" --frames 8 --size 240x135 --png "$out" --set "$noisy,temporal=$history"
+    expect 0 "$viewer" $flag --headless --model "$room" --frames 8 --size 240x135 --png "$out" \
+        --set "$noisy,temporal=$history"
 done
 check differ "$work/history-no/frame-007.png" "$work/history-yes/frame-007.png" 4 20
 check differ "$work/history-gather/frame-007.png" "$work/history-yes/frame-007.png" 0 0.2 # 2.7 with motion backwards
