@@ -72,10 +72,10 @@ void main()
 {
     gl_Position = to_clip * vertex;
     world = (to_world * vertex).xyz;
-    world_normal = mat3(normal_to_world) * normal;
+    world_normal = normalize(mat3(normal_to_world) * normal);
     view_normal = mat3(normal_to_view) * normal;
     depth = -(to_view * vertex).z;
-    shadow = to_shadow * vec4(world, 1.0);
+    shadow = to_shadow * vec4(world + 0.03 * world_normal, 1.0); /* m: no surface shadows itself */
 }
 )";
 
@@ -97,7 +97,7 @@ void main()
     to_light /= range;
     for (int i = 0; i < 9; ++i) {
         vec2 at = shadow.xy / shadow.w + (vec2(i % 3, i / 3) - 1.0) / vec2(textureSize(shadow_map, 0));
-        lit += range < textureLod(shadow_map, at, 0.0).r + 0.04 ? 1.0 / 9.0 : 0.0;
+        lit += range < textureLod(shadow_map, at, 0.0).r + 0.05 ? 1.0 / 9.0 : 0.0;
     }
     lit *= smoothstep(light_cone.y, light_cone.x, -dot(to_light, light_direction.xyz));
     lit *= max(dot(to_light, normalize(world_normal)), 0.0);
@@ -291,8 +291,8 @@ static void make_scene(Ogre::SceneManager *scene)
     Ogre::Light     *light = scene->createLight("light");
     Ogre::SceneNode *node = scene->getRootSceneNode()->createChildSceneNode(Ogre::Vector3(3.2f, 6.5f, 2.6f));
     light->setType(Ogre::Light::LT_SPOTLIGHT);
-    light->setDiffuseColour(Ogre::ColourValue(3.2f, 3.0f, 2.7f));
-    light->setSpotlightRange(Ogre::Degree(36), Ogre::Degree(44));
+    light->setDiffuseColour(Ogre::ColourValue(2.4f, 2.2f, 1.9f));
+    light->setSpotlightRange(Ogre::Degree(42), Ogre::Degree(50));
     light->setAttenuation(100, 1, 0, 0);
     node->attachObject(light);
     node->setFixedYawAxis(true);
@@ -424,10 +424,14 @@ struct Engine {
     Ogre::SceneNode          *camera;
     std::unique_ptr<Lighting> lighting;
 
-    Engine(const Arguments &arguments, const hbil_plan &plan)
+    Engine()
         : log(logs.createLog("hbil-ogre", true, false, true)), root("", "", ""), window(NULL), target(NULL), camera(NULL)
     {
-        log->setLogDetail(Ogre::LL_LOW);
+        log->setLogDetail(Ogre::LL_LOW); /* critical messages only, to stderr */
+    }
+
+    void open(const Arguments &arguments, const hbil_plan &plan)
+    {
         open_target(static_cast<unsigned>(arguments.width), static_cast<unsigned>(arguments.height), !arguments.png.empty());
         lighting.reset(new Lighting(plan));
         Ogre::CompositorManager::getSingleton().registerCustomCompositionPass("hbil", lighting.get());
@@ -440,7 +444,8 @@ struct Engine {
         open_eye(scene);
     }
 
-    /* OGRE asks for a GL 3.3 core context and takes what it gets; Mesa and the vendors' drivers give the highest that they have. */
+    /* GL3Plus asks GLX for a 3.0 core context and no more. A driver may give any later one, and Mesa gives its latest, 4.5 and with it
+     * compute shaders; hbil_gl_init says so where it is older than 4.3. */
     void open_target(unsigned width, unsigned height, bool to_file)
     {
         Ogre::NameValuePairList options;
@@ -553,19 +558,24 @@ static void run(const Arguments &arguments)
 {
     const hbil_plan plan = make_plan(arguments);
     const int frames = arguments.frames ? arguments.frames : arguments.png.empty() ? 0 : 8;
-    Engine engine(arguments, plan);
+    const bool to_file = !arguments.png.empty();
     std::time_t shown = std::time(NULL);
+    Engine engine;
 
-    if (arguments.png.empty()) OgreBites::WindowEventUtilities::_addRenderWindow(engine.window);
-    for (int i = 0; (!frames || i < frames) && !engine.window->isClosed(); ++i) {
-        engine.draw(i);
-        if (arguments.png.empty()) OgreBites::WindowEventUtilities::messagePump();
-        if (frames && std::time(NULL) - shown >= 2) {
+    try {
+        engine.open(arguments, plan);
+        if (!to_file) OgreBites::WindowEventUtilities::_addRenderWindow(engine.window);
+        for (int i = 0; (!frames || i < frames) && !engine.window->isClosed(); ++i) {
+            engine.draw(i);
+            if (!to_file) OgreBites::WindowEventUtilities::messagePump();
+            if (!frames || std::time(NULL) - shown < 2) continue;
             shown = std::time(NULL);
             std::fprintf(stderr, "frame %d of %d\n", i + 1, frames);
         }
+        if (to_file) engine.write_png(arguments.png);
+    } catch (const Ogre::Exception &failure) { /* points into a plugin, which goes with the engine */
+        throw Failure(BACKEND, failure.getDescription());
     }
-    if (!arguments.png.empty()) engine.write_png(arguments.png);
 }
 
 int main(int argc, char **argv)
@@ -585,7 +595,7 @@ int main(int argc, char **argv)
     } catch (const Failure &failure) {
         code = failure.code;
         std::fprintf(stderr, "hbil-ogre: %s\n", failure.what());
-    } catch (const std::exception &failure) { /* OGRE's */
+    } catch (const std::exception &failure) {
         std::fprintf(stderr, "hbil-ogre: %s\n", failure.what());
     }
     return code;
