@@ -35,6 +35,8 @@
 #include <OgreCustomCompositionPass.h>
 #include <OgreScriptCompiler.h>
 #include <Bites/OgreWindowEventUtilities.h>
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb/stb_image_write.h> /* OGRE's STBI codec frees with delete[] what malloc gave */
 
 #define HBIL_IMPLEMENTATION
 #include "../../hbil.h"
@@ -414,6 +416,12 @@ static hbil_plan make_plan(const Arguments &arguments)
 
 /* ---- the program ------------------------------------------------------------------------------------------------------- */
 
+/* Takes note that the window shall close, and keeps OGRE from destroying it with the context before hbil is gone. */
+struct Closing : OgreBites::WindowEventListener {
+    bool asked = false;
+    bool windowClosing(Ogre::RenderWindow *) override { return asked = true, false; }
+};
+
 /* Members go in reverse order: hbil's programs and textures while OGRE's context is there, OGRE's log last. */
 struct Engine {
     Ogre::LogManager          logs;
@@ -450,7 +458,6 @@ struct Engine {
     {
         Ogre::NameValuePairList options;
         root.loadPlugin(HBIL_OGRE_PLUGINS "/RenderSystem_GL3Plus");
-        root.loadPlugin(HBIL_OGRE_PLUGINS "/Codec_STBI");
         root.setRenderSystem(root.getRenderSystemByName("OpenGL 3+ Rendering Subsystem"));
         root.initialise(false);
         options["hidden"] = to_file ? "true" : "false";
@@ -484,18 +491,21 @@ struct Engine {
         const Ogre::Vector3 middle(0, 1.15f, 0);
         camera->setPosition(middle + Ogre::Vector3(6.0f * std::sin(angle), 0.75f, 6.0f * std::cos(angle)));
         camera->lookAt(middle, Ogre::Node::TS_WORLD);
-        if (!root.renderOneFrame()) throw Failure(BACKEND, "OGRE stopped rendering");
+        root.renderOneFrame();
     }
 
     /* Through a temporary file beside it: the picture is there as a whole or not at all. */
     void write_png(const std::string &path)
     {
+        const int width = static_cast<int>(target->getWidth()), height = static_cast<int>(target->getHeight());
+        const std::string temporary = path + "." + std::to_string(getpid()) + ".tmp";
         Ogre::Image image(Ogre::PF_BYTE_RGB, target->getWidth(), target->getHeight());
-        target->copyContentsToMemory(Ogre::Box(0, 0, target->getWidth(), target->getHeight()), image.getPixelBox(),
-                                     Ogre::RenderTarget::FB_AUTO);
-        const std::string bytes = image.encode("png")->getAsString(), temporary = path + "." + std::to_string(getpid()) + ".tmp";
+        int size = 0;
+        target->copyContentsToMemory(Ogre::Box(0, 0, target->getWidth(), target->getHeight()), image.getPixelBox());
+        unsigned char *bytes = stbi_write_png_to_mem(image.getData(), 3 * width, width, height, 3, &size);
         std::FILE *file = std::fopen(temporary.c_str(), "wb");
-        bool ok = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+        bool ok = file && bytes && std::fwrite(bytes, 1, static_cast<size_t>(size), file) == static_cast<size_t>(size);
+        std::free(bytes);
         if (file && std::fclose(file) != 0) ok = false;
         if (ok && std::rename(temporary.c_str(), path.c_str()) == 0) return;
         const std::string why = std::strerror(errno);
@@ -560,12 +570,16 @@ static void run(const Arguments &arguments)
     const int frames = arguments.frames ? arguments.frames : arguments.png.empty() ? 0 : 8;
     const bool to_file = !arguments.png.empty();
     std::time_t shown = std::time(NULL);
+    Closing closing;
     Engine engine;
 
     try {
         engine.open(arguments, plan);
-        if (!to_file) OgreBites::WindowEventUtilities::_addRenderWindow(engine.window);
-        for (int i = 0; (!frames || i < frames) && !engine.window->isClosed(); ++i) {
+        if (!to_file) {
+            OgreBites::WindowEventUtilities::_addRenderWindow(engine.window);
+            OgreBites::WindowEventUtilities::addWindowEventListener(engine.window, &closing);
+        }
+        for (int i = 0; (!frames || i < frames) && !closing.asked; ++i) {
             engine.draw(i);
             if (!to_file) OgreBites::WindowEventUtilities::messagePump();
             if (!frames || std::time(NULL) - shown < 2) continue;
