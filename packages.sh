@@ -18,6 +18,8 @@ build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
 # a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma
 test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales'
+# another renderer to run inside of, and an X display for it
+test="$test libogre-1.12-dev xvfb xauth"
 
 case "${1-}" in
     build) wanted=$build ;;

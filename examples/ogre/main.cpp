@@ -1,22 +1,25 @@
-/* hbil-ogre - hbil.h inside OGRE 1.12: what a renderer that somebody else wrote has to add. OGRE owns the context, the scene,
- * the G-buffer and hbil's outputs; hbil runs as one custom pass of OGRE's compositor.
+/* hbil-ogre - hbil.h inside OGRE 1.12: what a renderer that somebody else wrote has to add. OGRE owns the context, the
+ * scene, the G-buffer and hbil's outputs; hbil runs as one custom pass of OGRE's compositor.
  *
  *   gbuffer    OGRE draws the scene into four textures: albedo, direct light, view normal, view depth in m
- *   hbil       struct Lighting below: reads depth, normal and direct light, writes ao and irradiance. >>hbil
+ *   hbil       reads depth, normal and direct light, writes ao and irradiance. Search for >>hbil
  *   composite  OGRE draws a quad: direct + albedo * irradiance
  *
  * How OGRE's conventions map to those of hbil.h
- *   texels     OGRE on GL renders to textures upside down, so that their row 0 is the top of the picture, as in Direct3D: it negates
- *              row 1 of the projection and flips the winding (RenderTarget::requiresTextureFlipping). Texel row 0 then is
- *              ndc y = -1 of that negated projection: hbil's convention, as long as hbil gets the matrix with row 1 negated, too.
- *              Camera::getProjectionMatrix is the one without.
- *   matrices   column vectors as hbil's, but stored by rows: transpose.
- *   depth      depth=linear: the fragment shader writes metres. OGRE's depth buffer is a renderbuffer, which no shader reads. If yours
- *              is a texture: depth=device clip=gl with getProjectionMatrixWithRSDepth, depth_direction=reversed with
- *              RenderSystem::setReversedDepth. Cleared to 0, which is sky.
- *   normals    normals=view: OGRE's view space is hbil's, right-handed, the camera looks along -z. The flip is the projection's, not the
- *              view's, so normals are not flipped.
- *   radiance   the texture of direct light, emission included.
+ *   texels     On GL, OGRE renders to textures upside down: row 0 is the top of the picture, as in Direct3D. For that
+ *              it negates row 1 of the projection (RenderTarget::requiresTextureFlipping), and texel row 0 is ndc y = -1
+ *              of the negated matrix: hbil's convention, if hbil gets that matrix. Camera::getProjectionMatrix is not
+ *              negated.
+ *   matrices   of column vectors, as hbil's, but stored by rows: transpose.
+ *   depth      depth=linear: the fragment shader writes metres; cleared to 0, which is sky. OGRE's depth buffer is a
+ *              renderbuffer, which no shader reads. If yours is a texture: depth=device clip=gl, and the matrix of
+ *              Camera::getProjectionMatrixWithRSDepth.
+ *   normals    normals=view: OGRE's view space is hbil's, right-handed, looking along -z. The negation is part of the
+ *              projection, so normals are as they are.
+ *   radiance   the texture of direct light, with what glows in it.
+ *
+ * OGRE caches GL's state and calls GL only where it believes to change something. hbil_gl.h puts back what it touches, so
+ * the cache stays true: nothing has to be told to OGRE.
  */
 #include <cerrno>
 #include <cmath>
@@ -43,7 +46,8 @@
 #define HBIL_GL_IMPLEMENTATION
 #include "../../backends/hbil_gl.h"
 
-extern "C" void (*glXGetProcAddressARB(const unsigned char *name))(void); /* <GL/glx.h> would define None, Bool and more */
+/* Declared here, as <GL/glx.h> would define None, Bool and more. OGRE does not hand out its own loader. */
+extern "C" void (*glXGetProcAddressARB(const unsigned char *name))(void);
 
 enum { DONE = 0, REFUSED = 1, USAGE = 2, FILES = 3, BACKEND = 5 };
 
@@ -57,10 +61,11 @@ static const char *const views[] = {"composite", "direct", "ao", "split"}; /* as
 struct Arguments {
     std::string              preset = "balanced", png;
     std::vector<std::string> sets;
-    int                      width = 640, height = 360, frames = 0, view = 0;
+    unsigned                 width = 640, height = 360, frames = 0;
+    int                      view = 0;
 };
 
-/* ---- OGRE's part: shaders, materials, compositor, scene -------------------------------------------------------------- */
+/* ---- OGRE's part: shaders, materials, compositor, scene ---------------------------------------------------------- */
 
 static const char surface_vertex[] = R"(#version 430 core
 uniform mat4 to_clip, to_world;
@@ -83,8 +88,9 @@ void main()
 
 static const char surface_fragment[] = R"(#version 430 core
 uniform vec4 albedo, emission;
-uniform vec4 light_position, light_direction, light_colour, light_cone; /* world; cosines of the half angles, inner and outer */
-uniform sampler2D shadow_map; /* distance to the light, m */
+uniform vec4 light_position, light_direction, light_colour; /* world */
+uniform vec4 light_cone;                                    /* cosines of the half angles, inner and outer */
+uniform sampler2D shadow_map;                               /* distance to the light, m */
 in vec3 world, world_normal, view_normal;
 in vec4 shadow;
 in float depth;
@@ -158,8 +164,8 @@ void main()
 }
 )";
 
-/* The textures of the compositor are OGRE's: it makes them at the size of the target, and again when that changes. Nothing renders to
- * ao and irradiance: the pass hbil writes them. */
+/* The textures of the compositor are OGRE's: it makes them at the size of the target, and again when that changes.
+ * Nothing renders to ao and irradiance: the pass hbil writes them. */
 static const char script[] = R"(
 material caster { technique { pass {
     vertex_program_ref caster_vertex { param_named_auto to_clip worldviewproj_matrix
@@ -249,18 +255,21 @@ static void make_materials(int view)
     make_program("caster_fragment", Ogre::GPT_FRAGMENT_PROGRAM, caster_fragment);
     make_program("quad_vertex", Ogre::GPT_VERTEX_PROGRAM, quad_vertex);
     make_program("composite_fragment", Ogre::GPT_FRAGMENT_PROGRAM, composite_fragment);
-    Ogre::DataStreamPtr stream(new Ogre::MemoryDataStream("hbil-ogre", const_cast<char *>(script), sizeof script - 1, false, true));
+    Ogre::DataStreamPtr stream(
+        new Ogre::MemoryDataStream("hbil-ogre", const_cast<char *>(script), sizeof script - 1, false, true));
     Ogre::ScriptCompilerManager::getSingleton().parseScript(stream, Ogre::RGN_DEFAULT);
     Ogre::MaterialPtr composite = Ogre::MaterialManager::getSingleton().getByName("composite");
     composite->load();
-    Ogre::GpuProgramParametersSharedPtr parameters = composite->getTechnique(0)->getPass(0)->getFragmentProgramParameters();
+    Ogre::GpuProgramParametersSharedPtr parameters =
+        composite->getTechnique(0)->getPass(0)->getFragmentProgramParameters();
     parameters->setNamedConstant("view", view);
     parameters->setNamedConstant("sky", Ogre::Vector4(sky[0], sky[1], sky[2], 1));
 }
 
 /* A box or sphere of OGRE's, of this size around this place, m. OGRE's own are 100 units wide. */
-static void add(Ogre::SceneManager *scene, Ogre::SceneManager::PrefabType type, const Ogre::Vector3 &at, const Ogre::Vector3 &size,
-                float degrees, const Ogre::ColourValue &albedo, const Ogre::ColourValue &emission = Ogre::ColourValue::Black)
+static void add(Ogre::SceneManager *scene, Ogre::SceneManager::PrefabType type, const Ogre::Vector3 &at,
+                const Ogre::Vector3 &size, float degrees, const Ogre::ColourValue &albedo,
+                const Ogre::ColourValue &emission = Ogre::ColourValue::Black)
 {
     Ogre::Entity     *entity = scene->createEntity(type);
     Ogre::SceneNode  *node = scene->getRootSceneNode()->createChildSceneNode(at);
@@ -273,11 +282,13 @@ static void add(Ogre::SceneManager *scene, Ogre::SceneManager::PrefabType type, 
     node->yaw(Ogre::Degree(degrees));
 }
 
-/* A room of 4 x 3 x 4 m, open in front and over its right half, y up. A spot light comes in from above, a panel glows on the right. */
+/* A room of 4 x 3 x 4 m, open in front and over its right half, y up. A spot light comes in from above, a panel glows on
+ * the right wall. */
 static void make_scene(Ogre::SceneManager *scene)
 {
     const Ogre::SceneManager::PrefabType box = Ogre::SceneManager::PT_CUBE, ball = Ogre::SceneManager::PT_SPHERE;
     const Ogre::ColourValue white(0.73f, 0.71f, 0.68f), red(0.63f, 0.06f, 0.05f), green(0.12f, 0.45f, 0.10f);
+    const Ogre::ColourValue yellow(0.65f, 0.50f, 0.15f), black(0, 0, 0), glow(5, 2.2f, 0.6f);
 
     add(scene, box, {0, -0.1f, 1}, {4.4f, 0.2f, 6}, 0, white);
     add(scene, box, {0, 1.5f, -2.1f}, {4.4f, 3, 0.2f}, 0, white);
@@ -287,19 +298,16 @@ static void make_scene(Ogre::SceneManager *scene)
     add(scene, box, {-0.9f, 0.8f, -0.9f}, {0.9f, 1.6f, 0.9f}, 20, white);
     add(scene, box, {1.0f, 0.3f, -0.2f}, {0.6f, 0.6f, 0.6f}, -25, white);
     add(scene, ball, {-0.35f, 0.4f, 0.5f}, {0.8f, 0.8f, 0.8f}, 0, white);
-    add(scene, ball, {1.0f, 0.9f, -0.2f}, {0.6f, 0.6f, 0.6f}, 0, Ogre::ColourValue(0.65f, 0.50f, 0.15f));
-    add(scene, box, {1.97f, 0.6f, -1.2f}, {0.06f, 0.7f, 0.9f}, 0, Ogre::ColourValue::Black, Ogre::ColourValue(5, 2.2f, 0.6f));
+    add(scene, ball, {1.0f, 0.9f, -0.2f}, {0.6f, 0.6f, 0.6f}, 0, yellow);
+    add(scene, box, {1.97f, 0.6f, -1.2f}, {0.06f, 0.7f, 0.9f}, 0, black, glow);
 
     Ogre::Light     *light = scene->createLight("light");
     Ogre::SceneNode *node = scene->getRootSceneNode()->createChildSceneNode(Ogre::Vector3(3.2f, 6.5f, 2.6f));
     light->setType(Ogre::Light::LT_SPOTLIGHT);
     light->setDiffuseColour(Ogre::ColourValue(2.4f, 2.2f, 1.9f));
     light->setSpotlightRange(Ogre::Degree(42), Ogre::Degree(50));
-    light->setAttenuation(100, 1, 0, 0);
     node->attachObject(light);
-    node->setFixedYawAxis(true);
     node->lookAt(Ogre::Vector3(-0.7f, 0, -0.4f), Ogre::Node::TS_WORLD);
-    node->setDirection(Ogre::Vector3(-0.7f, 0, -0.4f) - node->getPosition(), Ogre::Node::TS_WORLD, Ogre::Vector3::NEGATIVE_UNIT_Z);
 
     scene->setShadowTechnique(Ogre::SHADOWTYPE_TEXTURE_ADDITIVE_INTEGRATED);
     scene->setShadowTextureSettings(1024, 1, Ogre::PF_FLOAT32_R);
@@ -308,7 +316,7 @@ static void make_scene(Ogre::SceneManager *scene)
     scene->setShadowFarDistance(30);
 }
 
-/* ---- >>hbil    the integration ----------------------------------------------------------------------------------------- */
+/* ---- >>hbil    the integration ----------------------------------------------------------------------------------- */
 
 static void *get_proc(void *, const char *name)
 {
@@ -323,11 +331,10 @@ static void copy(const Ogre::Matrix4 &from, float to[16])
 
 /* The pass `render_custom hbil` of the compositor. */
 struct Lighting : Ogre::CustomCompositionPass {
-    hbil_plan  plan;
     hbil_gl    gl;
     hbil_frame frame;
 
-    explicit Lighting(const hbil_plan &made) : plan(made), gl(), frame()
+    explicit Lighting(const hbil_plan &plan) : gl(), frame()
     {
         std::vector<char> scratch(HBIL_GLSL_MAX);
         hbil_gl_info info = {};
@@ -337,21 +344,22 @@ struct Lighting : Ogre::CustomCompositionPass {
         info.scratch_size = scratch.size();
         if (hbil_gl_init(&info, &gl) != HBIL_GL_OK) throw Failure(BACKEND, gl.message);
         std::memcpy(frame.far_color, sky, sizeof sky);
+        frame.reset = 1;
     }
     ~Lighting() { hbil_gl_shutdown(&gl); }
     Lighting(const Lighting &) = delete;
     Lighting &operator=(const Lighting &) = delete;
 
-    /* Each frame, after the G-buffer. Textures are asked for anew, as OGRE makes others when the window changes its size. */
+    /* Each frame, after the G-buffer. Textures are looked up anew: OGRE makes others when the window changes its size. */
     void run(Ogre::CompositorInstance *compositor)
     {
         static const struct { const char *plan, *ogre; size_t index; } names[] = {
-            {"radiance", "gbuffer", 1}, {"normal", "gbuffer", 2}, {"depth", "gbuffer", 3}, {"albedo", "gbuffer", 0},
-            {"ao", "ao", 0},            {"irradiance", "irradiance", 0}};
+            {"albedo", "gbuffer", 0}, {"radiance", "gbuffer", 1}, {"normal", "gbuffer", 2}, {"depth", "gbuffer", 3},
+            {"ao", "ao", 0},          {"irradiance", "irradiance", 0}};
         unsigned textures[HBIL_MAX_TEXTURES] = {};
         for (const auto &name : names) {
-            const int32_t index = hbil_plan_texture(&plan, name.plan);
-            if (index >= 0) compositor->getTextureInstance(name.ogre, name.index)->getCustomAttribute("GLID", &textures[index]);
+            const int32_t i = hbil_plan_texture(&gl.plan, name.plan); /* -1: this config does without */
+            if (i >= 0) compositor->getTextureInstance(name.ogre, name.index)->getCustomAttribute("GLID", &textures[i]);
         }
         const Ogre::RenderTarget *target = compositor->getRenderTarget("gbuffer");
         const Ogre::Camera *camera = compositor->getChain()->getViewport()->getCamera();
@@ -361,13 +369,14 @@ struct Lighting : Ogre::CustomCompositionPass {
         std::memcpy(frame.last_projection, frame.projection, sizeof frame.projection);
         std::memcpy(frame.last_view, frame.view, sizeof frame.view);
         copy(projection, frame.projection);
-        copy(camera->getViewMatrix(true), frame.view);
+        copy(camera->getViewMatrix(), frame.view);
         frame.width = target->getWidth();
         frame.height = target->getHeight();
-        frame.reset = frame.index == 0;
-        if (hbil_gl_resize(&gl, frame.width, frame.height, textures) != HBIL_GL_OK || hbil_gl_run(&gl, &frame) != HBIL_GL_OK)
+        if (hbil_gl_resize(&gl, frame.width, frame.height, textures) != HBIL_GL_OK ||
+            hbil_gl_run(&gl, &frame) != HBIL_GL_OK)
             throw Failure(BACKEND, gl.message);
-        gl.gl.memoryBarrier(HBIL_GL__TEXTURE_FETCH_BARRIER_BIT); /* the quad samples what was written as images */
+        gl.gl.memoryBarrier(0x08); /* GL_TEXTURE_FETCH_BARRIER_BIT: the quad samples what was stored as images */
+        frame.reset = 0;
         ++frame.index;
     }
 
@@ -402,19 +411,20 @@ static hbil_plan make_plan(const Arguments &arguments)
     config.depth = HBIL_DEPTH_LINEAR;
     config.normals = HBIL_NORMALS_VIEW;
     config.normal_encoding = HBIL_NORMAL_ENCODING_XYZ;
+    config.multisample = HBIL_MULTISAMPLE_NO;
     config.environment = HBIL_ENVIRONMENT_CONSTANT;
     config.projection = HBIL_PROJECTION_PERSPECTIVE;
     config.reproject = HBIL_REPROJECT_CAMERA; /* nothing else moves */
     config.f0 = HBIL_F0_NONE;                 /* and nothing is of metal */
     ok = ok && hbil_plan_build(&config, &plan, &diags) == HBIL_OK;
     std::string text;
-    for (int32_t i = 0; i < diags.count && i < diags.capacity; ++i) text += std::string(i ? "\n" : "") + items[i].text;
+    for (int32_t i = 0; i < diags.count && i < diags.capacity; ++i) text += std::string(i ? "; " : "") + items[i].text;
     if (!ok) throw Failure(REFUSED, text);
     if (!text.empty()) std::fprintf(stderr, "hbil-ogre: %s\n", text.c_str());
     return plan;
 }
 
-/* ---- the program ------------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
 /* Takes note that the window shall close, and keeps OGRE from destroying it with the context before hbil is gone. */
 struct Closing : OgreBites::WindowEventListener {
@@ -433,27 +443,29 @@ struct Engine {
     std::unique_ptr<Lighting> lighting;
 
     Engine()
-        : log(logs.createLog("hbil-ogre", true, false, true)), root("", "", ""), window(NULL), target(NULL), camera(NULL)
+        : log(logs.createLog("hbil-ogre", true, false, true)), root("", "", ""), window(NULL), target(NULL),
+          camera(NULL)
     {
-        log->setLogDetail(Ogre::LL_LOW); /* critical messages only, to stderr */
+        log->setLogDetail(Ogre::LL_LOW); /* nothing but errors, and no file */
     }
 
     void open(const Arguments &arguments, const hbil_plan &plan)
     {
-        open_target(static_cast<unsigned>(arguments.width), static_cast<unsigned>(arguments.height), !arguments.png.empty());
+        Ogre::ResourceGroupManager &resources = Ogre::ResourceGroupManager::getSingleton();
+        open_target(arguments.width, arguments.height, !arguments.png.empty());
         lighting.reset(new Lighting(plan));
         Ogre::CompositorManager::getSingleton().registerCustomCompositionPass("hbil", lighting.get());
         make_materials(arguments.view);
         /* OGRE compiles programs for shadow volumes, too, even if shadows come from a texture */
-        Ogre::ResourceGroupManager::getSingleton().addResourceLocation(HBIL_OGRE_MEDIA "/ShadowVolume", "FileSystem", Ogre::RGN_INTERNAL);
-        Ogre::ResourceGroupManager::getSingleton().initialiseAllResourceGroups();
+        resources.addResourceLocation(HBIL_OGRE_MEDIA "/ShadowVolume", "FileSystem", Ogre::RGN_INTERNAL);
+        resources.initialiseAllResourceGroups();
         Ogre::SceneManager *scene = root.createSceneManager();
         make_scene(scene);
         open_eye(scene);
     }
 
-    /* GL3Plus asks GLX for a 3.0 core context and no more. A driver may give any later one, and Mesa gives its latest, 4.5 and with it
-     * compute shaders; hbil_gl_init says so where it is older than 4.3. */
+    /* GL3Plus asks GLX for a 3.0 core context and takes what the driver gives. Mesa gives its latest, 4.5, and with it
+     * compute shaders; where it is older than 4.3, hbil_gl_init says so. */
     void open_target(unsigned width, unsigned height, bool to_file)
     {
         Ogre::NameValuePairList options;
@@ -465,9 +477,10 @@ struct Engine {
         target = window;
         if (!to_file) return;
         window->setAutoUpdated(false);
-        target = Ogre::TextureManager::getSingleton().createManual("image", Ogre::RGN_DEFAULT, Ogre::TEX_TYPE_2D, width, height, 0,
-                                                                   Ogre::PF_BYTE_RGBA, Ogre::TU_RENDERTARGET)
-                     ->getBuffer()->getRenderTarget();
+        Ogre::TexturePtr picture =
+            Ogre::TextureManager::getSingleton().createManual("picture", Ogre::RGN_DEFAULT, Ogre::TEX_TYPE_2D, width,
+                                                              height, 0, Ogre::PF_BYTE_RGBA, Ogre::TU_RENDERTARGET);
+        target = picture->getBuffer()->getRenderTarget();
     }
 
     void open_eye(Ogre::SceneManager *scene)
@@ -485,7 +498,7 @@ struct Engine {
     }
 
     /* The camera swings in front of the room. */
-    void draw(int index)
+    void draw(unsigned index)
     {
         const float angle = 0.2f * std::sin(0.02f * static_cast<float>(index));
         const Ogre::Vector3 middle(0, 1.15f, 0);
@@ -516,29 +529,34 @@ struct Engine {
 
 static void print_help()
 {
-    std::fputs("usage: hbil-ogre [options]\n"
-               "A room drawn by OGRE 1.12 and lit by hbil.h, in a window until that is closed, or into a file.\n\n"
-               "  --preset NAME     where the config begins; default: balanced\n"
-               "  --set NAME=VALUE  option of the config; may be repeated. Inputs, outputs and environment are the program's\n"
-               "  --size WxH        in pixels, default 640x360\n"
-               "  --view V          composite (default), direct: without hbil's light, ao, split: direct left, composite right\n"
-               "  --png FILE        no window: write the last of the frames. Wants an X display nevertheless: xvfb-run -a hbil-ogre ...\n"
-               "  --frames N        so many frames, then end; default: 8 with --png, no end without. The camera swings a little\n"
-               "  --help\n\n"
-               "exit: 0 done; 1 config refused; 2 usage; 3 the file cannot be written; 5 OGRE, display or driver missing or failed\n\n"
-               "presets:\n", stdout);
-    for (int32_t i = 0; hbil_preset_name(i); ++i) std::printf("  %-17s %s\n", hbil_preset_name(i), hbil_preset_meaning(i));
+    std::fputs(
+        "usage: hbil-ogre [options]\n"
+        "A room drawn by OGRE 1.12 and lit by hbil.h, in a window until that is closed, or into a file.\n\n"
+        "  --preset NAME     where the config begins; default: balanced\n"
+        "  --set NAME=VALUE  option of the config; may be repeated. Inputs, outputs and environment are set by the\n"
+        "                    program\n"
+        "  --size WxH        in pixels, default 640x360\n"
+        "  --view V          composite (default); direct, the light without hbil's; ao; split, direct on the left and\n"
+        "                    composite on the right\n"
+        "  --png FILE        no window: write the last frame. Wants an X display all the same: xvfb-run -a hbil-ogre ...\n"
+        "  --frames N        so many frames, then end; default: 8 with --png, else no end. The camera swings a little\n"
+        "  --help\n\n"
+        "exit: 0 done; 1 config refused; 2 usage; 3 the file cannot be written; 5 OGRE, display or driver is missing\n"
+        "      or failed\n\n"
+        "presets:\n", stdout);
+    for (int32_t i = 0; hbil_preset_name(i); ++i)
+        std::printf("  %-17s %s\n", hbil_preset_name(i), hbil_preset_meaning(i));
     std::puts("\noptions for --set: see hbil.h, or shadergen --help");
 }
 
-/* Whole number in [1, max], up to `end` characters that may follow. */
-static int read_int(const std::string &option, const std::string &text, int max)
+/* Whole number in [1, max] and nothing behind it. */
+static unsigned read_number(const std::string &option, const std::string &text, long max)
 {
     char *end;
     const long value = std::strtol(text.c_str(), &end, 10);
     if (text.empty() || *end || value < 1 || value > max)
-        throw Failure(USAGE, option + ": must be a whole number in [1, " + std::to_string(max) + "], not '" + text + "'");
-    return static_cast<int>(value);
+        throw Failure(USAGE, option + ": must be whole numbers in [1, " + std::to_string(max) + "], not '" + text + "'");
+    return static_cast<unsigned>(value);
 }
 
 static void read_argument(Arguments &a, const std::string &name, const std::string &value)
@@ -550,12 +568,12 @@ static void read_argument(Arguments &a, const std::string &name, const std::stri
     } else if (name == "--png") {
         a.png = value;
     } else if (name == "--frames") {
-        a.frames = read_int(name, value, 1000000);
+        a.frames = read_number(name, value, 1000000);
     } else if (name == "--size") {
         const size_t x = value.find('x');
         if (x == std::string::npos) throw Failure(USAGE, "--size: must be WxH, as in 640x360, not '" + value + "'");
-        a.width = read_int(name, value.substr(0, x), 16384);
-        a.height = read_int(name, value.substr(x + 1), 16384);
+        a.width = read_number(name, value.substr(0, x), 16384);
+        a.height = read_number(name, value.substr(x + 1), 16384);
     } else if (name == "--view") {
         for (a.view = 0; a.view < 4 && value != views[a.view];) ++a.view;
         if (a.view == 4) throw Failure(USAGE, "--view: must be composite, direct, ao or split, not '" + value + "'");
@@ -567,8 +585,8 @@ static void read_argument(Arguments &a, const std::string &name, const std::stri
 static void run(const Arguments &arguments)
 {
     const hbil_plan plan = make_plan(arguments);
-    const int frames = arguments.frames ? arguments.frames : arguments.png.empty() ? 0 : 8;
     const bool to_file = !arguments.png.empty();
+    const unsigned frames = arguments.frames ? arguments.frames : to_file ? 8 : 0;
     std::time_t shown = std::time(NULL);
     Closing closing;
     Engine engine;
@@ -579,12 +597,12 @@ static void run(const Arguments &arguments)
             OgreBites::WindowEventUtilities::_addRenderWindow(engine.window);
             OgreBites::WindowEventUtilities::addWindowEventListener(engine.window, &closing);
         }
-        for (int i = 0; (!frames || i < frames) && !closing.asked; ++i) {
+        for (unsigned i = 0; (!frames || i < frames) && !closing.asked; ++i) {
             engine.draw(i);
             if (!to_file) OgreBites::WindowEventUtilities::messagePump();
             if (!frames || std::time(NULL) - shown < 2) continue;
             shown = std::time(NULL);
-            std::fprintf(stderr, "frame %d of %d\n", i + 1, frames);
+            std::fprintf(stderr, "frame %u of %u\n", i + 1, frames);
         }
         if (to_file) engine.write_png(arguments.png);
     } catch (const Ogre::Exception &failure) { /* points into a plugin, which goes with the engine */

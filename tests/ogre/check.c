@@ -2,8 +2,8 @@
  *
  *   check DIRECT.png COMPOSITE.png AO.png RECURSIVE.png
  *
- * The floor is asked in particular: it faces up, and no other large surface does. If the depth, the normals or the projection alone
- * are upside down, it is turned away from the eye, and its ao falls to nothing. */
+ * The floor is asked in particular: it faces up, and no other large surface does. If the depth, the normals or the
+ * projection alone are upside down, it is turned away from the eye, and its ao falls to nothing. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -64,7 +64,8 @@ static double darker(const picture *lit, const picture *direct)
 static void check(const picture *p)
 {
     const colour sky = at(&p[AO], 0.70, 0.03), ceiling = at(&p[AO], 0.42, 0.10), floor = at(&p[AO], 0.45, 0.92);
-    const colour contact = at(&p[AO], 0.45, 0.81), left = at(&p[COMPOSITE], 0.22, 0.3), right = at(&p[COMPOSITE], 0.82, 0.3);
+    const colour contact = at(&p[AO], 0.45, 0.81);
+    const colour left = at(&p[COMPOSITE], 0.22, 0.3), right = at(&p[COMPOSITE], 0.82, 0.3);
     const colour shade = at(&p[DIRECT], 0.42, 0.10), bounced = at(&p[COMPOSITE], 0.42, 0.10);
     const colour panel = at(&p[COMPOSITE], 0.685, 0.62);
 
@@ -96,8 +97,8 @@ int main(int argc, char **argv)
     for (i = 0; i < PICTURES; i++) {
         picture *p = &pictures[i];
         p->texels = stbi_load(argv[i + 1], &p->width, &p->height, &channels, 3);
-        if (!p->texels || p->width != pictures[0].width || p->height != pictures[0].height || p->width < 64 || p->height < 64) {
-            fprintf(stderr, "%s: is no PNG, or of another size\n", argv[i + 1]);
+        if (!p->texels || p->width != pictures[0].width || p->height != pictures[0].height || p->height < 64) {
+            fprintf(stderr, "%s: is no PNG, too small, or of another size than the first\n", argv[i + 1]);
             failed = 1;
         }
     }
