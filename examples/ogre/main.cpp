@@ -7,7 +7,7 @@
  *
  * How OGRE's conventions map to those of hbil.h
  *   texels     On GL, OGRE renders to textures upside down: row 0 is the top of the picture, as in Direct3D. For that
- *              it negates row 1 of the projection (RenderTarget::requiresTextureFlipping), and texel row 0 is ndc y = -1
+ *              it negates row 1 of the projection (RenderTarget::requiresTextureFlipping); texel row 0 is ndc y = -1
  *              of the negated matrix: hbil's convention, if hbil gets that matrix. Camera::getProjectionMatrix is not
  *              negated.
  *   matrices   of column vectors, as hbil's, but stored by rows: transpose.
@@ -18,8 +18,8 @@
  *              projection, so normals are as they are.
  *   radiance   the texture of direct light, with what glows in it.
  *
- * OGRE caches GL's state and calls GL only where it believes to change something. hbil_gl.h puts back what it touches, so
- * the cache stays true: nothing has to be told to OGRE.
+ * OGRE caches GL's state and calls GL only where it believes to change something. hbil_gl.h puts back what it touches:
+ * the cache stays true, and nothing has to be told to OGRE.
  */
 #include <cerrno>
 #include <cmath>
@@ -282,8 +282,8 @@ static void add(Ogre::SceneManager *scene, Ogre::SceneManager::PrefabType type, 
     node->yaw(Ogre::Degree(degrees));
 }
 
-/* A room of 4 x 3 x 4 m, open in front and over its right half, y up. A spot light comes in from above, a panel glows on
- * the right wall. */
+/* A room of 4 x 3 x 4 m, open in front and over its right half, y up. A spot light comes in from above, a panel glows
+ * on the right wall. */
 static void make_scene(Ogre::SceneManager *scene)
 {
     const Ogre::SceneManager::PrefabType box = Ogre::SceneManager::PT_CUBE, ball = Ogre::SceneManager::PT_SPHERE;
@@ -350,7 +350,7 @@ struct Lighting : Ogre::CustomCompositionPass {
     Lighting(const Lighting &) = delete;
     Lighting &operator=(const Lighting &) = delete;
 
-    /* Each frame, after the G-buffer. Textures are looked up anew: OGRE makes others when the window changes its size. */
+    /* Each frame, after the G-buffer. Textures are looked up anew: OGRE makes others when the window is resized. */
     void run(Ogre::CompositorInstance *compositor)
     {
         static const struct { const char *plan, *ogre; size_t index; } names[] = {
@@ -538,7 +538,7 @@ static void print_help()
         "  --size WxH        in pixels, default 640x360\n"
         "  --view V          composite (default); direct, the light without hbil's; ao; split, direct on the left and\n"
         "                    composite on the right\n"
-        "  --png FILE        no window: write the last frame. Wants an X display all the same: xvfb-run -a hbil-ogre ...\n"
+        "  --png FILE        no window: write the last frame. Wants an X display all the same: xvfb-run -a hbil-ogre\n"
         "  --frames N        so many frames, then end; default: 8 with --png, else no end. The camera swings a little\n"
         "  --help\n\n"
         "exit: 0 done; 1 config refused; 2 usage; 3 the file cannot be written; 5 OGRE, display or driver is missing\n"
@@ -555,7 +555,7 @@ static unsigned read_number(const std::string &option, const std::string &text, 
     char *end;
     const long value = std::strtol(text.c_str(), &end, 10);
     if (text.empty() || *end || value < 1 || value > max)
-        throw Failure(USAGE, option + ": must be whole numbers in [1, " + std::to_string(max) + "], not '" + text + "'");
+        throw Failure(USAGE, option + ": must be whole and in [1, " + std::to_string(max) + "], not '" + text + "'");
     return static_cast<unsigned>(value);
 }
 
