@@ -24,7 +24,7 @@
  * ======================================================================================================================
  * >>does
  *
- *   DOES       write GLSL for Vulkan and OpenGL; say what to allocate, bind, wait for and dispatch; pack the uniform block;
+ *   DOES       write GLSL for Vulkan, OpenGL and OpenGL ES; say what to allocate, bind, wait for and dispatch; pack the uniform block;
  *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask
  *              for; refuse combinations that have no meaning.
  *   DOES NOT   call a GPU, allocate, read files, compile SPIR-V (backends/hbil_glslang.h does), trace rays, or see what is off
@@ -153,14 +153,24 @@
  * ======================================================================================================================
  * >>targets
  *
- *                       vulkan (GLSL 450)        gl (GLSL 430 core)
- *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
- *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
- *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
- *                       reproject=scatter: imageAtomicMin on r32ui images
- *   storage images      up to 8 in a pass (temporal=yes with all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
- *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
- *   real GPU            untested                 untested
+ *                vulkan             gl                 gles                 gl, stage=fragment    gles, stage=fragment
+ *   text         GLSL 450           GLSL 430 core      ESSL 310             GLSL 330 core         ESSL 300
+ *   needs        Vulkan 1.0,        OpenGL 4.3         OpenGL ES 3.1        OpenGL 3.3            OpenGL ES 3.0,
+ *                no feature                                                                       EXT_color_buffer_float
+ *   outputs      storage images, of which a device     the same; made by    render targets, a layer each:
+ *                has at least 4     has at least 8     glTexStorage; 4      8                     4: more is refused
+ *   backend      hbil_vk.h          hbil_gl.h          hbil_gl.h            hbil_gl.h             hbil_gl.h
+ *   tested on    lavapipe           OSMesa, EGL        EGL                  OSMesa                EGL      all Mesa 22.3
+ *   real GPU     untested           untested           untested             untested              untested
+ *
+ *   HLSL and MSL     shadergen makes them from the text for vulkan; hbil_plan_register tells where they bind.
+ *   stage=fragment   a pass draws the three vertices of hbil_emit_vertex over its targets: bindings that are written, a location for each
+ *                    layer, viewport hbil_dispatch.groups. No blending, no tests, no depth. Samplers and the block HbilFrame go by their
+ *                    names. Not with march=sweep or both, reproject=scatter. Same numbers as compute shaders.
+ *   march=sweep      writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software rasterisers stop a shader
+ *                    after 65535 loop iterations: lines up to about 13000 pixels there.
+ *   reproject=scatter imageAtomicMin on r32ui images; in ES 3.1 GL_OES_shader_image_atomic.
+ *   temporal=yes     with all outputs of a bitmask writes 8 images in a pass, 3 with the defaults.
  */
 
 /* ======================================================================
@@ -198,7 +208,8 @@ extern "C" {
 typedef enum hbil_result { HBIL_RESULTS(HBIL__RESULT_ENUM) HBIL_RESULT_COUNT } hbil_result;
 
 /* <<gen enums      written by `cmake --build build --target embed` from the tables: do not edit */
-typedef enum hbil_target { HBIL_TARGET_VULKAN = 1, HBIL_TARGET_GL } hbil_target;
+typedef enum hbil_target { HBIL_TARGET_VULKAN = 1, HBIL_TARGET_GL, HBIL_TARGET_GLES } hbil_target;
+typedef enum hbil_stage { HBIL_STAGE_COMPUTE = 1, HBIL_STAGE_FRAGMENT } hbil_stage;
 typedef enum hbil_outputs { HBIL_OUTPUTS_AO = 0x1, HBIL_OUTPUTS_UNIFORM_AO = 0x2, HBIL_OUTPUTS_BENT = 0x4, HBIL_OUTPUTS_CONE = 0x8,
     HBIL_OUTPUTS_NEAR = 0x10, HBIL_OUTPUTS_SH = 0x20, HBIL_OUTPUTS_FAR = 0x40, HBIL_OUTPUTS_IRRADIANCE = 0x80,
     HBIL_OUTPUTS_SPECULAR_OCCLUSION = 0x100, HBIL_OUTPUTS_MULTI_BOUNCE = 0x200, HBIL_OUTPUTS_COMPOSITE = 0x400 } hbil_outputs;
@@ -272,8 +283,10 @@ typedef enum hbil_severity { HBIL_NOTE = 1, HBIL_WARNING, HBIL_ERROR } hbil_seve
 typedef struct hbil_config {
     uint32_t guard;         /* leave 0: catches a struct that was not cleared */
     /* <<gen config     written by `cmake --build build --target embed` from the tables: do not edit */
-    /* dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL. {vulkan, gl}, default vulkan. baked. source: project */
+    /* dialect of the emitted text: GLSL 450 for Vulkan, GLSL 430 core for OpenGL, ESSL 310 for OpenGL ES. {vulkan, gl, gles}, default vulkan. baked. source: project */
     int32_t target;
+    /* compute shaders; or fragment shaders that draw a triangle over each target, where there are none: GLSL 330 core, ESSL 300. {compute, fragment}, default compute. baked. source: project */
+    int32_t stage;
     /* what is computed, all from one march; each is defined under >>outputs in hbil.h. {ao, uniform_ao, bent, cone, near, sh, far, irradiance, specular_occlusion, multi_bounce, composite}, default ao+near+composite. baked. source: project */
     uint32_t outputs;
     /* how a slice sees: highest horizon per side; 32 sectors of equal cosine energy; sin h - sin t; share of raised samples. {horizon, bitmask, hbao, hbao_plus}, default horizon. baked. source: Jimenez 2016, Therrien 2023, Bavoil 2008, NVIDIA HBAO+ */
@@ -438,7 +451,8 @@ typedef struct hbil_texture {
 
 typedef struct hbil_binding {
     uint16_t texture;       /* index into plan.textures */
-    uint16_t slot;          /* Vulkan: binding in set 0. GL: texture unit (SAMPLE) or image unit (WRITE) */
+    uint16_t slot;          /* Vulkan: binding in set 0. GL: texture unit (SAMPLE), image unit (WRITE) or, with stage=fragment,
+                               location of a WRITE, as many as it has layers; samplers and block then go by their names */
     uint8_t  access;        /* hbil_access */
     uint8_t  age;           /* 0: this frame's copy, 1: last frame's */
     uint8_t  mip;           /* level written */
@@ -503,6 +517,7 @@ typedef struct hbil_frame {
     const hbil_config *live;/* NULL, or where to read the options that are dynamic; others are ignored. 0: as in the plan */
 } hbil_frame;
 
+/* Workgroups; with stage=fragment the pixels of the viewport that a pass draws. */
 typedef struct hbil_dispatch { uint32_t groups[3]; } hbil_dispatch;
 
 /* No function below allocates, prints, or touches files, locale or global state; all of them may run at the same time
@@ -552,6 +567,10 @@ HBIL_API hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, 
 /* Index of a texture or pass by name, -1 if the plan has none. */
 HBIL_API int32_t     hbil_plan_texture(const hbil_plan *plan, const char *name);
 HBIL_API int32_t     hbil_plan_pass(const hbil_plan *plan, const char *name);
+/* Number of a binding among those of its pass with the same access: the register t (SAMPLE) or u (WRITE) of HLSL, and what target=gl
+ * calls its unit. The uniform block is b0. MSL: texture(i) for the i-th binding, buffer(0). Samplers, of CUBE and 3D: s and sampler()
+ * with the number of their t. -1 outside. */
+HBIL_API int32_t     hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding);
 /* Size in texels of mip 0 at render size width x height, each in [1, 16384]. */
 HBIL_API hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t width, uint32_t height, uint32_t out[2]);
 /* Bytes of TRANSIENT and HISTORY textures without aliasing; 0 on a bad argument. */
@@ -570,6 +589,8 @@ HBIL_API hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *b
  * The text is longer than HBIL_GLSL_MAX by that of the hook, and the plan's hash does not know it. */
 HBIL_API hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char *hook, char *buf, size_t cap,
                                          size_t *need, hbil_diags *diags);
+/* stage=fragment: the vertex shader of all its passes. Draw three vertices without attributes. E_ARG: no such stage. E_SPACE */
+HBIL_API hbil_result hbil_emit_vertex(const hbil_plan *plan, char *buf, size_t cap, size_t *need);
 /* JSON description of the plan, for engines not written in C. E_SPACE */
 HBIL_API hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need);
 /* The uniform block of this frame, laid out as plan->constants says. Checks the frame against the config. *need gets
@@ -600,11 +621,16 @@ HBIL_API hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame
 
 /* <<gen options    written by `cmake --build build --target embed` from the tables: do not edit */
 static const hbil_option hbil__options[] = {
-    { "target", "", "vulkan gl",
+    { "target", "", "vulkan gl gles",
       "",
-      "dialect of the emitted text: GLSL 450 for Vulkan, or GLSL 430 core for OpenGL",
+      "dialect of the emitted text: GLSL 450 for Vulkan, GLSL 430 core for OpenGL, ESSL 310 for OpenGL ES",
       "project",
-      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, target), 1, 2, 1 },
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, target), 1, 3, 1 },
+    { "stage", "", "compute fragment",
+      "",
+      "compute shaders; or fragment shaders that draw a triangle over each target, where there are none: GLSL 330 core, ESSL 300",
+      "project",
+      HBIL_KIND_CHOICE, 0, (uint32_t)offsetof(hbil_config, stage), 1, 2, 1 },
     { "outputs", "", "ao uniform_ao bent cone near sh far irradiance specular_occlusion multi_bounce composite",
       "",
       "what is computed, all from one march; each is defined under >>outputs in hbil.h",
@@ -929,6 +955,14 @@ static const struct { const char *name, *expression; } hbil__symbols[] = {
     { "SPANS", "HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH || HBIL_FAR_BITS" }, /* sectors are turned back into directions */
 };
 static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
+    { "HBIL_STAGE_FRAGMENT && HBIL_TARGET_VULKAN",
+      "Vulkan always has compute shaders", "target=gl" },
+    { "HBIL_STAGE_FRAGMENT && HBIL_SWEPT",
+      "a sweep writes along lines; a fragment writes its own pixel only", "march=sampled" },
+    { "HBIL_STAGE_FRAGMENT && HBIL_REPROJECT_SCATTER",
+      "scattering takes atomics on images, which fragments of GLSL 3.30 do not have", "reproject=gather" },
+    { "HBIL_STAGE_FRAGMENT && HBIL_TARGET_GLES && HBIL_MULTISAMPLE_YES",
+      "ESSL 3.00 has no multisampled textures", "multisample=no" },
     { "HBIL_SWEPT && !HBIL_COSINE",
       "a sweep finds horizons; hbao and hbao_plus weigh samples", "march=sampled" },
     { "HBIL_MARCH_SWEEP && HBIL_ESTIMATOR_BITMASK",
@@ -979,12 +1013,12 @@ static const struct { const char *expression, *why, *fix; } hbil__refused[] = {
       "two channels hold no sign of z: only normals in view space face the camera", "normal_encoding=octahedral" },
 };
 static const struct { int32_t option; uint32_t bit; const char *applies; } hbil__members[] = {
-    { 56, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
-    { 56, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
-    { 56, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
-    { 56, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
-    { 56, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
-    { 56, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
+    { 57, 0x1, "HBIL_MARCH_SAMPLED" }, /* seed_compat=screen_azimuth */
+    { 57, 0x2, "HBIL_MARCH_SAMPLED && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS)" }, /* seed_compat=slice_mean */
+    { 57, 0x4, "HBIL_MARCH_SAMPLED && !HBIL_NOISE_NONE" }, /* seed_compat=noise_2pi */
+    { 57, 0x8, "HBIL_BENT" }, /* seed_compat=uniform_bent */
+    { 57, 0x10, "HBIL_OUTPUTS_CONE || (HBIL_FAR_HERE && (HBIL_ENVIRONMENT_HOOK || HBIL_FAR_VISIBILITY_CONE || HBIL_BAND_2))" }, /* seed_compat=cone_relation */
+    { 57, 0x20, "HBIL_FAR_HERE && (HBIL_ENVIRONMENT_CONSTANT || HBIL_FAR_VISIBILITY_AO || HBIL_FAR_VISIBILITY_DIRECTION)" }, /* seed_compat=f0_ao */
 };
 static const struct { const char *name, *meaning, *config, *sources; } hbil__presets[] = {
     { "fast", "whole screen at the price of two swept slices; a third of their error, by the filter",
@@ -1135,7 +1169,7 @@ static const struct { const char *name, *meaning, *config, *sources; } hbil__pre
 };
 /* >>gen options */
 
-enum { HBIL__LAYERS_SIDES = 0x1000, HBIL__LAYERS_SIGNAL, HBIL_FORMAT_SIGNAL }; /* rules instead of a number of layers, a format */
+enum { HBIL__LAYERS_SIDES = 0x1000, HBIL__LAYERS_SIGNAL, HBIL_FORMAT_SIGNAL, HBIL__DRAWN }; /* rules instead of a number of layers, a format, a size */
 
 /* <<gen passes     written by `cmake --build build --target embed` from the tables: do not edit */
 static const struct { const char *layout; uint32_t bytes; } hbil__formats[] = {
@@ -1190,8 +1224,10 @@ static const struct { const char *name; uint16_t life, format, dim, layers, grid
       "the pixel of last frame that it came from: x + y * 65536, all ones if none did" },
     { "pushed", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 1, "",
       "last frame's irradiance where it fell, levels of 2 and 4 pixels side by side: rgb mean, a depth, 0 if empty" },
-    { "pushed_far", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D_ARRAY, 2, 8, "",
-      "the same, layer 0 of 8 pixels, layer 1 of 16, 32 and 64 side by side" },
+    { "pushed_8", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 8, "",
+      "the same, level of 8 pixels" },
+    { "pushed_far", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_RGBA32F, HBIL_DIM_2D, 1, 8, "",
+      "the same, levels of 16, 32 and 64 pixels side by side" },
     { "raw", HBIL_LIFE_TRANSIENT, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
       "what this frame's march says, in layers: see HBIL_LAYERS" },
     { "signal", HBIL_LIFE_HISTORY, HBIL_FORMAT_SIGNAL, HBIL_DIM_2D_ARRAY, HBIL__LAYERS_SIGNAL, 1, "",
@@ -1202,7 +1238,7 @@ static const struct { const char *name; uint16_t life, format, dim, layers, grid
       "after two" },
     { "seen", HBIL_LIFE_HISTORY, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
       "view depth, its lowest 6 bits the frames in the running mean" },
-    { "bounce", HBIL_LIFE_HISTORY, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, 1, "",
+    { "bounce", HBIL_LIFE_HISTORY, HBIL_FORMAT_R32UI, HBIL_DIM_2D, 1, HBIL__DRAWN, "",
       "irradiance E/pi that the surface may reflect in the next frame, as view_radiance" },
     { "ao", HBIL_LIFE_OUTPUT, HBIL_FORMAT_R32F, HBIL_DIM_2D, 1, 0, "HBIL_OUTPUTS_AO",
       "visibility as the estimator weighs it. 1 is open, range [0, 1]" },
@@ -1238,7 +1274,7 @@ static const struct { const char *name, *exists; uint16_t grid, domain, group[2]
       "last frame's pixels again: those of the nearest depth leave their address" },
     { "push", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 22, { 8, 8 },
       "last frame's light where it fell, in coarser levels, for the holes" },
-    { "push_2", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 22, { 8, 8 },
+    { "push_2", "HBIL_REPROJECT_SCATTER && HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 23, { 8, 8 },
       "the levels from 16 to 64 pixels" },
     { "reproject", "HBIL_BOUNCES_RECURSIVE", HBIL_GRID_PIXELS, 12, { 8, 8 },
       "radiance and what the surface reflects of last frame's light" },
@@ -1278,18 +1314,19 @@ static const struct { uint16_t pass, texture, role; const char *when; } hbil__bi
     { 1, 13, HBIL_ROLE_WRITE, "" }, /* shrink view_normal */
     { 1, 14, HBIL_ROLE_WRITE, "" }, /* shrink view_radiance */
     { 1, 19, HBIL_ROLE_WRITE, "" }, /* shrink landed */
-    { 2, 27, HBIL_ROLE_LAST, "" }, /* scatter seen */
+    { 2, 28, HBIL_ROLE_LAST, "" }, /* scatter seen */
     { 2, 19, HBIL_ROLE_UPDATE, "" }, /* scatter landed */
     { 2, 20, HBIL_ROLE_WRITE, "" }, /* scatter claimed */
-    { 3, 27, HBIL_ROLE_LAST, "" }, /* claim seen */
+    { 3, 28, HBIL_ROLE_LAST, "" }, /* claim seen */
     { 3, 19, HBIL_ROLE_SAMPLE, "" }, /* claim landed */
     { 3, 20, HBIL_ROLE_UPDATE, "" }, /* claim claimed */
     { 4, 20, HBIL_ROLE_SAMPLE, "" }, /* push claimed */
     { 4, 19, HBIL_ROLE_SAMPLE, "" }, /* push landed */
-    { 4, 28, HBIL_ROLE_LAST, "" }, /* push bounce */
+    { 4, 29, HBIL_ROLE_LAST, "" }, /* push bounce */
     { 4, 21, HBIL_ROLE_WRITE, "" }, /* push pushed */
-    { 4, 22, HBIL_ROLE_WRITE, "" }, /* push pushed_far */
-    { 5, 22, HBIL_ROLE_UPDATE, "" }, /* push_2 pushed_far */
+    { 4, 22, HBIL_ROLE_WRITE, "" }, /* push pushed_8 */
+    { 5, 22, HBIL_ROLE_SAMPLE, "" }, /* push_2 pushed_8 */
+    { 5, 23, HBIL_ROLE_WRITE, "" }, /* push_2 pushed_far */
     { 6, 12, HBIL_ROLE_SAMPLE, "" }, /* reproject view_depth */
     { 6, 13, HBIL_ROLE_SAMPLE, "" }, /* reproject view_normal */
     { 6, 10, HBIL_ROLE_SAMPLE, "" }, /* reproject full_depth */
@@ -1298,11 +1335,12 @@ static const struct { uint16_t pass, texture, role; const char *when; } hbil__bi
     { 6, 3, HBIL_ROLE_SAMPLE, "" }, /* reproject motion */
     { 6, 20, HBIL_ROLE_SAMPLE, "" }, /* reproject claimed */
     { 6, 21, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed */
-    { 6, 22, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed_far */
-    { 6, 27, HBIL_ROLE_LAST, "" }, /* reproject seen */
-    { 6, 28, HBIL_ROLE_LAST, "" }, /* reproject bounce */
+    { 6, 22, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed_8 */
+    { 6, 23, HBIL_ROLE_SAMPLE, "" }, /* reproject pushed_far */
+    { 6, 28, HBIL_ROLE_LAST, "" }, /* reproject seen */
+    { 6, 29, HBIL_ROLE_LAST, "" }, /* reproject bounce */
     { 6, 14, HBIL_ROLE_WRITE, "" }, /* reproject view_radiance */
-    { 6, 27, HBIL_ROLE_WRITE, "" }, /* reproject seen */
+    { 6, 28, HBIL_ROLE_WRITE, "" }, /* reproject seen */
     { 7, 12, HBIL_ROLE_SAMPLE, "" }, /* mips view_depth */
     { 7, 14, HBIL_ROLE_SAMPLE, "" }, /* mips view_radiance */
     { 7, 15, HBIL_ROLE_WRITE, "" }, /* mips depth_mips */
@@ -1323,102 +1361,102 @@ static const struct { uint16_t pass, texture, role; const char *when; } hbil__bi
     { 9, 6, HBIL_ROLE_SAMPLE, "" }, /* march f0 */
     { 9, 8, HBIL_ROLE_SAMPLE, "" }, /* march sky */
     { 9, 9, HBIL_ROLE_SAMPLE, "" }, /* march probes */
-    { 9, 23, HBIL_ROLE_TO, "" }, /* march raw */
-    { 9, 29, HBIL_ROLE_WRITE, "" }, /* march ao */
-    { 9, 30, HBIL_ROLE_WRITE, "" }, /* march uniform_ao */
-    { 9, 31, HBIL_ROLE_WRITE, "" }, /* march bent */
-    { 9, 33, HBIL_ROLE_WRITE, "" }, /* march near */
-    { 9, 34, HBIL_ROLE_WRITE, "" }, /* march sh */
-    { 9, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* march far */
+    { 9, 24, HBIL_ROLE_TO, "" }, /* march raw */
+    { 9, 30, HBIL_ROLE_WRITE, "" }, /* march ao */
+    { 9, 31, HBIL_ROLE_WRITE, "" }, /* march uniform_ao */
+    { 9, 32, HBIL_ROLE_WRITE, "" }, /* march bent */
+    { 9, 34, HBIL_ROLE_WRITE, "" }, /* march near */
+    { 9, 35, HBIL_ROLE_WRITE, "" }, /* march sh */
+    { 9, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* march far */
     { 10, 12, HBIL_ROLE_SAMPLE, "" }, /* temporal view_depth */
     { 10, 13, HBIL_ROLE_SAMPLE, "" }, /* temporal view_normal */
     { 10, 3, HBIL_ROLE_SAMPLE, "" }, /* temporal motion */
     { 10, 20, HBIL_ROLE_SAMPLE, "" }, /* temporal claimed */
-    { 10, 23, HBIL_ROLE_FROM, "" }, /* temporal raw */
-    { 10, 27, HBIL_ROLE_LAST, "" }, /* temporal seen */
-    { 10, 24, HBIL_ROLE_LAST, "" }, /* temporal signal */
+    { 10, 24, HBIL_ROLE_FROM, "" }, /* temporal raw */
+    { 10, 28, HBIL_ROLE_LAST, "" }, /* temporal seen */
+    { 10, 25, HBIL_ROLE_LAST, "" }, /* temporal signal */
     { 10, 6, HBIL_ROLE_SAMPLE, "" }, /* temporal f0 */
-    { 10, 27, HBIL_ROLE_WRITE, "" }, /* temporal seen */
-    { 10, 24, HBIL_ROLE_TO, "" }, /* temporal signal */
-    { 10, 29, HBIL_ROLE_WRITE, "" }, /* temporal ao */
-    { 10, 30, HBIL_ROLE_WRITE, "" }, /* temporal uniform_ao */
-    { 10, 31, HBIL_ROLE_WRITE, "" }, /* temporal bent */
-    { 10, 33, HBIL_ROLE_WRITE, "" }, /* temporal near */
-    { 10, 34, HBIL_ROLE_WRITE, "" }, /* temporal sh */
-    { 10, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* temporal far */
+    { 10, 28, HBIL_ROLE_WRITE, "" }, /* temporal seen */
+    { 10, 25, HBIL_ROLE_TO, "" }, /* temporal signal */
+    { 10, 30, HBIL_ROLE_WRITE, "" }, /* temporal ao */
+    { 10, 31, HBIL_ROLE_WRITE, "" }, /* temporal uniform_ao */
+    { 10, 32, HBIL_ROLE_WRITE, "" }, /* temporal bent */
+    { 10, 34, HBIL_ROLE_WRITE, "" }, /* temporal near */
+    { 10, 35, HBIL_ROLE_WRITE, "" }, /* temporal sh */
+    { 10, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* temporal far */
     { 11, 12, HBIL_ROLE_SAMPLE, "" }, /* filter view_depth */
     { 11, 13, HBIL_ROLE_SAMPLE, "" }, /* filter view_normal */
-    { 11, 27, HBIL_ROLE_SAMPLE, "" }, /* filter seen */
-    { 11, 23, HBIL_ROLE_FROM, "HBIL_TEMPORAL_NO" }, /* filter raw */
-    { 11, 24, HBIL_ROLE_FROM, "HBIL_TEMPORAL_YES" }, /* filter signal */
+    { 11, 28, HBIL_ROLE_SAMPLE, "" }, /* filter seen */
+    { 11, 24, HBIL_ROLE_FROM, "HBIL_TEMPORAL_NO" }, /* filter raw */
+    { 11, 25, HBIL_ROLE_FROM, "HBIL_TEMPORAL_YES" }, /* filter signal */
     { 11, 6, HBIL_ROLE_SAMPLE, "" }, /* filter f0 */
-    { 11, 25, HBIL_ROLE_TO, "" }, /* filter soft */
-    { 11, 29, HBIL_ROLE_WRITE, "" }, /* filter ao */
-    { 11, 30, HBIL_ROLE_WRITE, "" }, /* filter uniform_ao */
-    { 11, 31, HBIL_ROLE_WRITE, "" }, /* filter bent */
-    { 11, 33, HBIL_ROLE_WRITE, "" }, /* filter near */
-    { 11, 34, HBIL_ROLE_WRITE, "" }, /* filter sh */
-    { 11, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter far */
+    { 11, 26, HBIL_ROLE_TO, "" }, /* filter soft */
+    { 11, 30, HBIL_ROLE_WRITE, "" }, /* filter ao */
+    { 11, 31, HBIL_ROLE_WRITE, "" }, /* filter uniform_ao */
+    { 11, 32, HBIL_ROLE_WRITE, "" }, /* filter bent */
+    { 11, 34, HBIL_ROLE_WRITE, "" }, /* filter near */
+    { 11, 35, HBIL_ROLE_WRITE, "" }, /* filter sh */
+    { 11, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter far */
     { 12, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_depth */
     { 12, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_2 view_normal */
-    { 12, 27, HBIL_ROLE_SAMPLE, "" }, /* filter_2 seen */
-    { 12, 25, HBIL_ROLE_FROM, "" }, /* filter_2 soft */
+    { 12, 28, HBIL_ROLE_SAMPLE, "" }, /* filter_2 seen */
+    { 12, 26, HBIL_ROLE_FROM, "" }, /* filter_2 soft */
     { 12, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_2 f0 */
-    { 12, 26, HBIL_ROLE_TO, "" }, /* filter_2 soft_2 */
-    { 12, 29, HBIL_ROLE_WRITE, "" }, /* filter_2 ao */
-    { 12, 30, HBIL_ROLE_WRITE, "" }, /* filter_2 uniform_ao */
-    { 12, 31, HBIL_ROLE_WRITE, "" }, /* filter_2 bent */
-    { 12, 33, HBIL_ROLE_WRITE, "" }, /* filter_2 near */
-    { 12, 34, HBIL_ROLE_WRITE, "" }, /* filter_2 sh */
-    { 12, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_2 far */
+    { 12, 27, HBIL_ROLE_TO, "" }, /* filter_2 soft_2 */
+    { 12, 30, HBIL_ROLE_WRITE, "" }, /* filter_2 ao */
+    { 12, 31, HBIL_ROLE_WRITE, "" }, /* filter_2 uniform_ao */
+    { 12, 32, HBIL_ROLE_WRITE, "" }, /* filter_2 bent */
+    { 12, 34, HBIL_ROLE_WRITE, "" }, /* filter_2 near */
+    { 12, 35, HBIL_ROLE_WRITE, "" }, /* filter_2 sh */
+    { 12, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_2 far */
     { 13, 12, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_depth */
     { 13, 13, HBIL_ROLE_SAMPLE, "" }, /* filter_3 view_normal */
-    { 13, 27, HBIL_ROLE_SAMPLE, "" }, /* filter_3 seen */
-    { 13, 26, HBIL_ROLE_FROM, "" }, /* filter_3 soft_2 */
+    { 13, 28, HBIL_ROLE_SAMPLE, "" }, /* filter_3 seen */
+    { 13, 27, HBIL_ROLE_FROM, "" }, /* filter_3 soft_2 */
     { 13, 6, HBIL_ROLE_SAMPLE, "" }, /* filter_3 f0 */
-    { 13, 25, HBIL_ROLE_TO, "" }, /* filter_3 soft */
-    { 13, 29, HBIL_ROLE_WRITE, "" }, /* filter_3 ao */
-    { 13, 30, HBIL_ROLE_WRITE, "" }, /* filter_3 uniform_ao */
-    { 13, 31, HBIL_ROLE_WRITE, "" }, /* filter_3 bent */
-    { 13, 33, HBIL_ROLE_WRITE, "" }, /* filter_3 near */
-    { 13, 34, HBIL_ROLE_WRITE, "" }, /* filter_3 sh */
-    { 13, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_3 far */
+    { 13, 26, HBIL_ROLE_TO, "" }, /* filter_3 soft */
+    { 13, 30, HBIL_ROLE_WRITE, "" }, /* filter_3 ao */
+    { 13, 31, HBIL_ROLE_WRITE, "" }, /* filter_3 uniform_ao */
+    { 13, 32, HBIL_ROLE_WRITE, "" }, /* filter_3 bent */
+    { 13, 34, HBIL_ROLE_WRITE, "" }, /* filter_3 near */
+    { 13, 35, HBIL_ROLE_WRITE, "" }, /* filter_3 sh */
+    { 13, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* filter_3 far */
     { 14, 10, HBIL_ROLE_SAMPLE, "" }, /* upsample full_depth */
     { 14, 11, HBIL_ROLE_SAMPLE, "" }, /* upsample full_normal */
     { 14, 12, HBIL_ROLE_SAMPLE, "" }, /* upsample view_depth */
     { 14, 13, HBIL_ROLE_SAMPLE, "" }, /* upsample view_normal */
-    { 14, 23, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_NO" }, /* upsample raw */
-    { 14, 24, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_YES" }, /* upsample signal */
-    { 14, 25, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_2" }, /* upsample soft */
-    { 14, 26, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_2" }, /* upsample soft_2 */
+    { 14, 24, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_NO" }, /* upsample raw */
+    { 14, 25, HBIL_ROLE_FROM, "HBIL_FILTER_NONE && HBIL_TEMPORAL_YES" }, /* upsample signal */
+    { 14, 26, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && !HBIL_FILTER_PASSES_2" }, /* upsample soft */
+    { 14, 27, HBIL_ROLE_FROM, "!HBIL_FILTER_NONE && HBIL_FILTER_PASSES_2" }, /* upsample soft_2 */
     { 14, 6, HBIL_ROLE_SAMPLE, "" }, /* upsample f0 */
-    { 14, 29, HBIL_ROLE_WRITE, "" }, /* upsample ao */
-    { 14, 30, HBIL_ROLE_WRITE, "" }, /* upsample uniform_ao */
-    { 14, 31, HBIL_ROLE_WRITE, "" }, /* upsample bent */
-    { 14, 33, HBIL_ROLE_WRITE, "" }, /* upsample near */
-    { 14, 34, HBIL_ROLE_WRITE, "" }, /* upsample sh */
-    { 14, 35, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* upsample far */
+    { 14, 30, HBIL_ROLE_WRITE, "" }, /* upsample ao */
+    { 14, 31, HBIL_ROLE_WRITE, "" }, /* upsample uniform_ao */
+    { 14, 32, HBIL_ROLE_WRITE, "" }, /* upsample bent */
+    { 14, 34, HBIL_ROLE_WRITE, "" }, /* upsample near */
+    { 14, 35, HBIL_ROLE_WRITE, "" }, /* upsample sh */
+    { 14, 36, HBIL_ROLE_WRITE, "HBIL_FAR_BITS" }, /* upsample far */
     { 15, 12, HBIL_ROLE_SAMPLE, "" }, /* light view_depth */
     { 15, 13, HBIL_ROLE_SAMPLE, "" }, /* light view_normal */
     { 15, 10, HBIL_ROLE_SAMPLE, "" }, /* light full_depth */
     { 15, 11, HBIL_ROLE_SAMPLE, "" }, /* light full_normal */
-    { 15, 29, HBIL_ROLE_SAMPLE, "" }, /* light ao */
-    { 15, 31, HBIL_ROLE_SAMPLE, "" }, /* light bent */
-    { 15, 33, HBIL_ROLE_SAMPLE, "" }, /* light near */
-    { 15, 35, HBIL_ROLE_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
+    { 15, 30, HBIL_ROLE_SAMPLE, "" }, /* light ao */
+    { 15, 32, HBIL_ROLE_SAMPLE, "" }, /* light bent */
+    { 15, 34, HBIL_ROLE_SAMPLE, "" }, /* light near */
+    { 15, 36, HBIL_ROLE_SAMPLE, "HBIL_FAR_BITS" }, /* light far */
     { 15, 4, HBIL_ROLE_SAMPLE, "" }, /* light direct */
     { 15, 5, HBIL_ROLE_SAMPLE, "" }, /* light albedo */
     { 15, 6, HBIL_ROLE_SAMPLE, "" }, /* light f0 */
     { 15, 7, HBIL_ROLE_SAMPLE, "" }, /* light roughness */
     { 15, 8, HBIL_ROLE_SAMPLE, "" }, /* light sky */
     { 15, 9, HBIL_ROLE_SAMPLE, "" }, /* light probes */
-    { 15, 32, HBIL_ROLE_WRITE, "" }, /* light cone */
-    { 15, 35, HBIL_ROLE_WRITE, "!HBIL_FAR_BITS" }, /* light far */
-    { 15, 36, HBIL_ROLE_WRITE, "" }, /* light irradiance */
-    { 15, 37, HBIL_ROLE_WRITE, "" }, /* light specular_occlusion */
-    { 15, 38, HBIL_ROLE_WRITE, "" }, /* light multi_bounce */
-    { 15, 39, HBIL_ROLE_WRITE, "" }, /* light composite */
-    { 15, 28, HBIL_ROLE_WRITE, "" }, /* light bounce */
+    { 15, 33, HBIL_ROLE_WRITE, "" }, /* light cone */
+    { 15, 36, HBIL_ROLE_WRITE, "!HBIL_FAR_BITS" }, /* light far */
+    { 15, 37, HBIL_ROLE_WRITE, "" }, /* light irradiance */
+    { 15, 38, HBIL_ROLE_WRITE, "" }, /* light specular_occlusion */
+    { 15, 39, HBIL_ROLE_WRITE, "" }, /* light multi_bounce */
+    { 15, 40, HBIL_ROLE_WRITE, "" }, /* light composite */
+    { 15, 29, HBIL_ROLE_WRITE, "" }, /* light bounce */
 };
 static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__uniforms[] = {
     { HBIL_TYPE_VEC4, "vec4", "HBIL_PIXEL_TO_RAY",
@@ -1455,6 +1493,8 @@ static const struct { uint16_t type; const char *glsl, *name, *meaning; } hbil__
       "HBIL_PIXEL_TO_RAY of the last frame" },
     { HBIL_TYPE_IVEC2, "ivec2", "HBIL_LAST_SIZE",
       "HBIL_SIZE of the last frame" },
+    { HBIL_TYPE_IVEC2, "ivec2", "HBIL_LAST_FULL_SIZE",
+      "HBIL_FULL_SIZE of the last frame" },
     { HBIL_TYPE_INT, "int", "HBIL_RESET",
       "1: nothing of the last frame counts" },
 };
@@ -1479,12 +1519,25 @@ static const char *const hbil__life_names[] = { "", "input", "output", "transien
  * ====================================================================== */
 
 /* <<gen glsl       written by `cmake --build build --target embed` from shadergen/glsl: do not edit */
+static const char hbil__glsl_triangle_vertex[] =
+"void main() {\n"
+"    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
+"}\n";
 static const char hbil__glsl_common_HBIL_SKY[] =
 "const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m\n";
 static const char hbil__glsl_common_HBIL_RADIANCE_MAX[] =
 "const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite\n";
 static const char hbil__glsl_common_HBIL_PI[] =
 "const float HBIL_PI = 3.141592654;\n";
+static const char hbil__glsl_common_hbil_texel[] =
+"// Where this invocation stands in its grid.\n"
+"ivec2 hbil_texel() {\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    return ivec2(gl_FragCoord.xy);\n"
+"#else\n"
+"    return ivec2(gl_GlobalInvocationID.xy);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_common_hbil_position[] =
 "// Point seen at a pixel position (centres at .5) and view depth. m\n"
 "vec3 hbil_position(vec2 pixel, float z) {\n"
@@ -1527,16 +1580,34 @@ static const char hbil__glsl_common_hbil_finite[] =
 "vec3 hbil_finite(vec3 radiance) {\n"
 "    return mix(vec3(0.0), min(radiance, vec3(HBIL_RADIANCE_MAX)), greaterThan(radiance, vec3(0.0)));\n"
 "}\n";
+static const char hbil__glsl_common_hbil_pack_snorm[] =
+"// Two numbers in [-1, 1] as 16 bits each. GLSL 3.30 has no packSnorm2x16.\n"
+"uint hbil_pack_snorm(vec2 v) {\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    ivec2 i = ivec2(floor(clamp(v, -1.0, 1.0) * 32767.0 + 0.5));\n"
+"    return uint(i.x & 65535) | (uint(i.y) << 16);\n"
+"#else\n"
+"    return packSnorm2x16(v);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_common_hbil_unpack_snorm[] =
+"vec2 hbil_unpack_snorm(uint code) {\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    return clamp(vec2(ivec2(int(code) << 16, int(code)) >> 16) / 32767.0, -1.0, 1.0);\n"
+"#else\n"
+"    return unpackSnorm2x16(code);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_common_hbil_encode_normal[] =
 "// Octahedral map of a unit vector, 2 x snorm16. Error below 5e-5 rad. Meyer 2010\n"
 "uint hbil_encode_normal(vec3 n) {\n"
 "    vec2 o = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));\n"
 "    vec2 fold = (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));\n"
-"    return packSnorm2x16(n.z > 0.0 ? fold : o);\n"
+"    return hbil_pack_snorm(n.z > 0.0 ? fold : o);\n"
 "}\n";
 static const char hbil__glsl_common_hbil_decode_normal[] =
 "vec3 hbil_decode_normal(uint code) {\n"
-"    vec2 o = unpackSnorm2x16(code);\n"
+"    vec2 o = hbil_unpack_snorm(code);\n"
 "    vec3 n = vec3(o, abs(o.x) + abs(o.y) - 1.0);\n"
 "    float fold = max(n.z, 0.0);\n"
 "    n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));\n"
@@ -2633,6 +2704,26 @@ static const char hbil__glsl_bitmask_hbil_span_to[] =
 "#endif\n"
 "    return to;\n"
 "}\n";
+static const char hbil__glsl_bitmask_hbil_lowest_bit[] =
+"// Number of the lowest bit that is set; one is. GLSL 3.30 has no findLSB.\n"
+"int hbil_lowest_bit(uint bits) {\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    return int(floatBitsToUint(float(bits & (~bits + 1u))) >> 23) - 127;\n"
+"#else\n"
+"    return findLSB(bits);\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_bitmask_hbil_bit_count[] =
+"// Bits that are set.\n"
+"int hbil_bit_count(uint bits) {\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    bits -= (bits >> 1) & 0x55555555u;\n"
+"    bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);\n"
+"    return int((((bits + (bits >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);\n"
+"#else\n"
+"    return bitCount(bits);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_bitmask_hbil_span_of[] =
 "// Sum over the runs of sectors.\n"
 "hbil_span hbil_span_of(hbil_fan f, uint bits) {\n"
@@ -2647,9 +2738,9 @@ static const char hbil__glsl_bitmask_hbil_span_of[] =
 "    sum.bent = vec2(0.0);\n"
 "#endif\n"
 "    while (bits != 0u) {\n"
-"        int low = findLSB(bits);\n"
+"        int low = hbil_lowest_bit(bits);\n"
 "        uint gaps = ~(bits >> uint(low));\n"
-"        int high = gaps == 0u ? 32 : low + findLSB(gaps);\n"
+"        int high = gaps == 0u ? 32 : low + hbil_lowest_bit(gaps);\n"
 "        hbil_span a = hbil_span_to(f, hbil_turn(f, low));\n"
 "        hbil_span b = hbil_span_to(f, hbil_turn(f, high));\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
@@ -2670,7 +2761,7 @@ static const char hbil__glsl_bitmask_hbil_add_bits[] =
 "// Radiance through sectors that nothing nearer has filled.\n"
 "void hbil_add_bits(hbil_receiver r, hbil_fan f, uint bits, vec3 radiance, inout hbil_sums sum) {\n"
 "#if HBIL_NEAR_LIGHT\n"
-"    sum.near += float(bitCount(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;\n"
+"    sum.near += float(hbil_bit_count(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    hbil_span span = hbil_span_of(f, bits);\n"
@@ -2795,7 +2886,7 @@ static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "#endif\n"
 "#if HBIL_SUMS\n"
 "    sum.full += full;\n"
-"    sum.blocked += full * float(bitCount(hidden)) / 32.0;\n"
+"    sum.blocked += full * float(hbil_bit_count(hidden)) / 32.0;\n"
 "#endif\n"
 "#if HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH\n"
 "    hbil_span open = hbil_span_of(f, ~hidden);\n"
@@ -2815,7 +2906,7 @@ static const char hbil__glsl_bitmask_hbil_bitmask_slice[] =
 "        uint bits = ~hidden & (0xffu << uint(i));\n"
 "        if (bits == 0u) continue;\n"
 "        vec2 b = hbil_span_of(f, bits).bent;\n"
-"        sum.far += hbil_far_arc(r, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);\n"
+"        sum.far += hbil_far_arc(r, full * float(hbil_bit_count(bits)) / 32.0, b.x * slice + b.y * r.v);\n"
 "    }\n"
 "#endif\n"
 "}\n";
@@ -2988,13 +3079,45 @@ static const char hbil__glsl_signal_hbil_signal[] =
 static const char hbil__glsl_signal_hbil_pass_on[] =
 "// Leave a signal for the next pass.\n"
 "void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {\n"
+"#if HBIL_STORAGE_HALF\n"
+"    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX));\n"
+"#endif\n"
 "#if HBIL_ONLY_AO\n"
-"    imageStore(u_to, ivec3(p, 0), vec4(s[0].a));\n"
-"#elif HBIL_STORAGE_HALF\n"
-"    for (int i = 0; i < HBIL_LAYERS; ++i)\n"
-"        imageStore(u_to, ivec3(p, i), clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX)));\n"
-"#else\n"
+"    s[0] = vec4(s[0].a);\n"
+"#endif\n"
+"#if HBIL_STAGE_COMPUTE\n"
 "    for (int i = 0; i < HBIL_LAYERS; ++i) imageStore(u_to, ivec3(p, i), s[i]);\n"
+"#else\n"
+"#if HBIL_LIGHT_LAYER\n"
+"    u_to[0] = s[0];\n"
+"#endif\n"
+"#if HBIL_BENT_LAYER\n"
+"    u_to[HBIL_AT_BENT] = s[HBIL_AT_BENT];\n"
+"#endif\n"
+"#if HBIL_FAR_LAYER\n"
+"    u_to[HBIL_AT_FAR] = s[HBIL_AT_FAR];\n"
+"#endif\n"
+"#if HBIL_OUTPUTS_SH\n"
+"    u_to[HBIL_AT_SH] = s[HBIL_AT_SH];\n"
+"    u_to[HBIL_AT_SH + 1] = s[HBIL_AT_SH + 1];\n"
+"    u_to[HBIL_AT_SH + 2] = s[HBIL_AT_SH + 2];\n"
+"    u_to[HBIL_AT_SH + 3] = s[HBIL_AT_SH + 3];\n"
+"#endif\n"
+"#endif\n"
+"}\n";
+static const char hbil__glsl_signal_hbil_store_sh_at[] =
+"// The output sh.\n"
+"void hbil_store_sh_at(ivec2 p, vec4 a, vec4 b, vec4 c, vec4 d) {\n"
+"#if HBIL_STAGE_COMPUTE\n"
+"    imageStore(u_sh, ivec3(p, 0), a);\n"
+"    imageStore(u_sh, ivec3(p, 1), b);\n"
+"    imageStore(u_sh, ivec3(p, 2), c);\n"
+"    imageStore(u_sh, ivec3(p, 3), d);\n"
+"#else\n"
+"    u_sh[0] = a;\n"
+"    u_sh[1] = b;\n"
+"    u_sh[2] = c;\n"
+"    u_sh[3] = d;\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_signal_hbil_finish[] =
@@ -3039,7 +3162,7 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "    imageStore(u_near, p, vec4(near, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
-"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), s[HBIL_AT_SH + i]);\n"
+"    hbil_store_sh_at(p, s[HBIL_AT_SH], s[HBIL_AT_SH + 1], s[HBIL_AT_SH + 2], s[HBIL_AT_SH + 3]);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
 "    vec3 far = s[HBIL_AT_FAR].rgb;\n"
@@ -3065,7 +3188,7 @@ static const char hbil__glsl_signal_hbil_finish_sky[] =
 "    imageStore(u_near, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
-"    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));\n"
+"    hbil_store_sh_at(p, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
 "    imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));\n"
@@ -3089,7 +3212,7 @@ static const char hbil__glsl_signal_hbil_surface_at[] =
 "    hbil_surface s;\n"
 "    s.position = hbil_position(pixel, z);\n"
 "    s.n = hbil_decode_normal(normal);\n"
-"    s.code = unpackSnorm2x16(normal);\n"
+"    s.code = hbil_unpack_snorm(normal);\n"
 "    s.pixel = length(hbil_position(pixel + vec2(1.0, 0.0), z) - s.position);\n"
 "    return s;\n"
 "}\n";
@@ -3099,7 +3222,7 @@ static const char hbil__glsl_signal_hbil_belongs[] =
 "    float z = hbil_load_depth(q);\n"
 "    if (z >= HBIL_SKY) return 0.0;\n"
 "    float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));\n"
-"    vec2 turn = unpackSnorm2x16(texelFetch(u_view_normal, q, 0).r) - s.code;\n"
+"    vec2 turn = hbil_unpack_snorm(texelFetch(u_view_normal, q, 0).r) - s.code;\n"
 "    return clamp(1.0 - off / (HBIL_FILTER_PLANE * gap * s.pixel), 0.0, 1.0)\n"
 "        * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);\n"
 "}\n";
@@ -3306,16 +3429,24 @@ static const char hbil__glsl_last_hbil_find[] =
 "    }\n"
 "    return t;\n"
 "}\n";
+static const char hbil__glsl_last_hbil_last_irradiance[] =
+"// E/pi that pixel q of last frame's grid may reflect.\n"
+"vec3 hbil_last_irradiance(ivec2 q) {\n"
+"#if HBIL_STAGE_FRAGMENT && HBIL_COARSE\n"
+"    q = min(q * HBIL_DOWNSCALE + HBIL_DOWNSCALE / 2, HBIL_LAST_FULL_SIZE - 1); // as hbil_middle was\n"
+"#endif\n"
+"    return hbil_unpack_radiance(texelFetch(u_last_bounce, q, 0).r);\n"
+"}\n";
 static const char hbil__glsl_last_hbil_pushed_at[] =
 "// Texel q of level 1 or 2 in u_pushed.\n"
 "ivec2 hbil_pushed_at(ivec2 q, int level) {\n"
 "    return q + ivec2(level == 2 ? (HBIL_SIZE.x + 1) / 2 : 0, 0);\n"
 "}\n";
 static const char hbil__glsl_last_hbil_pushed_far_at[] =
-"// Texel q of level 3 to 6 in u_pushed_far.\n"
-"ivec3 hbil_pushed_far_at(ivec2 q, int level) {\n"
+"// Texel q of level 4, 5 or 6 in u_pushed_far.\n"
+"ivec2 hbil_pushed_far_at(ivec2 q, int level) {\n"
 "    ivec2 size = (HBIL_SIZE + 7) / 8;\n"
-"    return ivec3(q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0), level > 3 ? 1 : 0);\n"
+"    return q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0);\n"
 "}\n";
 static const char hbil__glsl_last_HBIL_PUSHED[] =
 "const int HBIL_PUSHED = 6; // levels, of 2 to 64 pixels\n";
@@ -3455,7 +3586,7 @@ static const char hbil__glsl_prepare_hbil_view_normal[] =
 "}\n";
 static const char hbil__glsl_prepare_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, hbil_frame_size()))) return;\n"
 "    float z = hbil_view_depth(p);\n"
 "    uint normal = z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u;\n"
@@ -3475,7 +3606,7 @@ static const char hbil__glsl_prepare_main[] =
 "}\n";
 static const char hbil__glsl_shrink_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    vec4 z;\n"
 "    for (int i = 0; i < 4; ++i) z[i] = texelFetch(u_full_depth, hbil_quad(p, i), 0).r;\n"
@@ -3512,7 +3643,7 @@ static const char hbil__glsl_shrink_main[] =
 "}\n";
 static const char hbil__glsl_scatter_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
 "    if (HBIL_RESET != 0) return;\n"
@@ -3524,7 +3655,7 @@ static const char hbil__glsl_scatter_main[] =
 "}\n";
 static const char hbil__glsl_claim_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;\n"
 "    ivec2 to;\n"
 "    float z;\n"
@@ -3539,7 +3670,7 @@ static const char hbil__glsl_push_hbil_landed_light[] =
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return vec4(0.0);\n"
 "    uint claim = texelFetch(u_claimed, p, 0).r;\n"
 "    if (claim == HBIL_NOWHERE) return vec4(0.0);\n"
-"    vec3 light = hbil_unpack_radiance(texelFetch(u_last_bounce, ivec2(claim & 65535u, claim >> 16), 0).r);\n"
+"    vec3 light = hbil_last_irradiance(ivec2(claim & 65535u, claim >> 16));\n"
 "    return vec4(light, hbil_key_depth(texelFetch(u_landed, p, 0).r));\n"
 "}\n";
 static const char hbil__glsl_push_hbil_push_near[] =
@@ -3562,16 +3693,16 @@ static const char hbil__glsl_push_hbil_push_pair[] =
 "}\n";
 static const char hbil__glsl_push_main[] =
 "void main() {\n"
-"    ivec2 q = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 q = hbil_texel();\n"
 "    if (any(greaterThanEqual(8 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;\n"
 "    vec4 mean = hbil_push(hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
 "        hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));\n"
-"    imageStore(u_pushed_far, hbil_pushed_far_at(q, 3), mean);\n"
+"    imageStore(u_pushed_8, q, mean);\n"
 "}\n";
 static const char hbil__glsl_push_2_hbil_pushed[] =
 "// What push made of 8 x 8 pixels.\n"
 "vec4 hbil_pushed(ivec2 q) {\n"
-"    return any(greaterThanEqual(8 * q, HBIL_SIZE)) ? vec4(0.0) : imageLoad(u_pushed_far, hbil_pushed_far_at(q, 3));\n"
+"    return any(greaterThanEqual(8 * q, HBIL_SIZE)) ? vec4(0.0) : texelFetch(u_pushed_8, q, 0);\n"
 "}\n";
 static const char hbil__glsl_push_2_hbil_push_far[] =
 "// Texel q of level 4 to 6 from the four below it.\n"
@@ -3593,7 +3724,7 @@ static const char hbil__glsl_push_2_hbil_push_pair[] =
 "}\n";
 static const char hbil__glsl_push_2_main[] =
 "void main() {\n"
-"    ivec2 q = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 q = hbil_texel();\n"
 "    if (any(greaterThanEqual(64 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;\n"
 "    hbil_push_far(q, 6, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),\n"
 "        hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));\n"
@@ -3614,7 +3745,7 @@ static const char hbil__glsl_reproject_hbil_pull[] =
 "            ivec2 o = ivec2(i & 1, i >> 1);\n"
 "            ivec2 q = clamp(first + o, ivec2(0), size - 1);\n"
 "            vec4 t = level < 3 ? texelFetch(u_pushed, hbil_pushed_at(q, level), 0)\n"
-"                : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);\n"
+"                : level < 4 ? texelFetch(u_pushed_8, q, 0) : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);\n"
 "            if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;\n"
 "            vec2 w = mix(1.0 - f, f, vec2(o));\n"
 "            sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);\n"
@@ -3631,7 +3762,7 @@ static const char hbil__glsl_reproject_hbil_last_light[] =
 "    vec3 sum = vec3(0.0);\n"
 "    for (int i = 0; i < 4; ++i) {\n"
 "        if (t.weights[i] <= 0.0) continue;\n"
-"        sum += t.weights[i] * hbil_unpack_radiance(texelFetch(u_last_bounce, t.first + ivec2(i & 1, i >> 1), 0).r);\n"
+"        sum += t.weights[i] * hbil_last_irradiance(t.first + ivec2(i & 1, i >> 1));\n"
 "    }\n"
 "    if (t.all > 0.0) return sum / t.all;\n"
 "#if HBIL_REPROJECT_SCATTER\n"
@@ -3641,7 +3772,7 @@ static const char hbil__glsl_reproject_hbil_last_light[] =
 "}\n";
 static const char hbil__glsl_reproject_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
 "    vec3 radiance = vec3(0.0);\n"
@@ -3663,10 +3794,16 @@ static const char hbil__glsl_reproject_main[] =
 "#endif\n"
 "}\n";
 static const char hbil__glsl_mips_hbil_tile[] =
-"shared float hbil_tile[64]; // nearness of the group's texels, -1e30: sky or off the screen\n";
+"#if HBIL_STAGE_COMPUTE\n"
+"shared float hbil_tile[64]; // nearness of the group's texels, -1e30: sky or off the screen\n"
+"#else\n"
+"float hbil_tile[64]; // nearness of the texels under this one, rows of 8, -1e30: sky or off the screen\n"
+"#endif\n";
 static const char hbil__glsl_mips_hbil_tile_light[] =
-"#if HBIL_GATHER\n"
+"#if HBIL_GATHER && HBIL_STAGE_COMPUTE\n"
 "shared vec3 hbil_tile_light[64];\n"
+"#elif HBIL_GATHER\n"
+"vec3 hbil_tile_light[64];\n"
 "#endif\n";
 static const char hbil__glsl_mips_HBIL_SAME_SURFACE[] =
 "const float HBIL_SAME_SURFACE = 0.95; // of the nearest texel's nearness (its inverse for an orthographic camera)\n";
@@ -3687,9 +3824,19 @@ static const char hbil__glsl_mips_hbil_weights[] =
 "#endif\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_mips_hbil_load_tile[] =
+"// Pixel p into the tile.\n"
+"void hbil_load_tile(ivec2 p, int i) {\n"
+"    bool inside = all(lessThan(p, HBIL_SIZE));\n"
+"    float z = inside ? hbil_load_depth(p) : HBIL_SKY;\n"
+"    hbil_tile[i] = z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
+"#if HBIL_GATHER\n"
+"    hbil_tile_light[i] = hbil_unpack_radiance(inside ? texelFetch(u_view_radiance, p, 0).r : 0u);\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_mips_hbil_reduce[] =
 "// One texel of a level from four of the level below, i: the first of them in the tile, stride: to its neighbours.\n"
-"void hbil_reduce(ivec2 q, int level, int i, int stride) {\n"
+"void hbil_reduce(int i, int stride) {\n"
 "    vec4 n = vec4(hbil_tile[i], hbil_tile[i + stride], hbil_tile[i + 8 * stride], hbil_tile[i + 9 * stride]);\n"
 "    vec4 w = hbil_weights(n);\n"
 "    float all = dot(w, vec4(1.0));\n"
@@ -3706,32 +3853,64 @@ static const char hbil__glsl_mips_hbil_reduce[] =
 "        + w.z * hbil_tile_light[i + 8 * stride] + w.w * hbil_tile_light[i + 9 * stride];\n"
 "    hbil_tile_light[i] = light * inv;\n"
 "#endif\n"
-"    if (any(greaterThanEqual(q << level, HBIL_SIZE)) || hbil_levels() == 0) return;\n"
-"    imageStore(u_depth_mips, hbil_level_at(q, level), vec4(all > 0.0 ? hbil_depth_of(mean) : HBIL_SKY));\n"
-"#if HBIL_GATHER\n"
-"    imageStore(u_radiance_mips, hbil_level_at(q, level), uvec4(hbil_pack_radiance(light * inv)));\n"
+"}\n";
+static const char hbil__glsl_mips_hbil_store_level[] =
+"// What the tile holds at i, to texel q of a level.\n"
+"void hbil_store_level(ivec2 q, int level, int i) {\n"
+"    vec4 z = vec4(hbil_tile[i] > -1e29 ? hbil_depth_of(hbil_tile[i]) : HBIL_SKY);\n"
+"#if HBIL_STAGE_COMPUTE\n"
+"    imageStore(u_depth_mips, hbil_level_at(q, level), z);\n"
+"#else\n"
+"    u_depth_mips[1] = z;\n"
+"#endif\n"
+"#if HBIL_GATHER && HBIL_STAGE_COMPUTE\n"
+"    imageStore(u_radiance_mips, hbil_level_at(q, level), uvec4(hbil_pack_radiance(hbil_tile_light[i])));\n"
+"#elif HBIL_GATHER\n"
+"    u_radiance_mips[1] = uvec4(hbil_pack_radiance(hbil_tile_light[i]));\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_mips_main[] =
+"#if HBIL_STAGE_COMPUTE\n"
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    ivec2 at = ivec2(gl_LocalInvocationID.xy);\n"
 "    int i = at.y * 8 + at.x;\n"
-"    bool inside = all(lessThan(p, HBIL_SIZE));\n"
-"    float z = inside ? hbil_load_depth(p) : HBIL_SKY;\n"
-"    hbil_tile[i] = z < HBIL_SKY ? hbil_nearness(z) : -1e30;\n"
-"    if (inside) imageStore(u_depth_mips, ivec3(p, 0), vec4(z));\n"
+"    hbil_load_tile(p, i);\n"
+"    if (all(lessThan(p, HBIL_SIZE))) {\n"
+"        imageStore(u_depth_mips, ivec3(p, 0), vec4(hbil_load_depth(p)));\n"
 "#if HBIL_GATHER\n"
-"    uint code = inside ? texelFetch(u_view_radiance, p, 0).r : 0u;\n"
-"    hbil_tile_light[i] = hbil_unpack_radiance(code);\n"
-"    if (inside) imageStore(u_radiance_mips, ivec3(p, 0), uvec4(code));\n"
+"        imageStore(u_radiance_mips, ivec3(p, 0), uvec4(texelFetch(u_view_radiance, p, 0).r));\n"
 "#endif\n"
+"    }\n"
 "    for (int level = 1; level <= HBIL_LEVELS; ++level) {\n"
 "        int stride = 1 << level;\n"
+"        ivec2 q = p >> level;\n"
 "        barrier();\n"
-"        if (at.x % stride == 0 && at.y % stride == 0) hbil_reduce(p >> level, level, i, stride / 2);\n"
+"        if (at.x % stride != 0 || at.y % stride != 0) continue;\n"
+"        hbil_reduce(i, stride / 2);\n"
+"        if (all(lessThan(q << level, HBIL_SIZE)) && hbil_levels() > 0) hbil_store_level(q, level, i);\n"
 "    }\n"
-"}\n";
+"}\n"
+"#else\n"
+"// Each pixel is layer 0 and, in layer 1, a texel of the level that lies there: it reduces the pixels under that.\n"
+"void main() {\n"
+"    ivec2 p = hbil_texel();\n"
+"    u_depth_mips[0] = vec4(hbil_load_depth(p));\n"
+"#if HBIL_GATHER\n"
+"    u_radiance_mips[0] = uvec4(texelFetch(u_view_radiance, p, 0).r);\n"
+"#endif\n"
+"    ivec2 corner = hbil_level_at(ivec2(0), 3).xy;\n"
+"    int level = p.x < corner.x ? 1 : p.y < corner.y ? 2 : 3;\n"
+"    ivec2 q = p - hbil_level_at(ivec2(0), level).xy;\n"
+"    int side = 1 << level;\n"
+"    for (int y = 0; y < side; ++y)\n"
+"        for (int x = 0; x < side; ++x) hbil_load_tile(side * q + ivec2(x, y), 8 * y + x);\n"
+"    for (int stride = 2; stride <= side; stride *= 2)\n"
+"        for (int y = 0; y < side; y += stride)\n"
+"            for (int x = 0; x < side; x += stride) hbil_reduce(8 * y + x, stride / 2);\n"
+"    hbil_store_level(q, level, 0);\n"
+"}\n"
+"#endif\n";
 static const char hbil__glsl_sweep_HBIL_BACK_LOW[] =
 "const float HBIL_BACK_LOW = -0.7; // cosine of normal and way to the next pixel up to which a surface turns its back\n";
 static const char hbil__glsl_sweep_HBIL_BACK_HIGH[] =
@@ -4047,14 +4226,14 @@ static const char hbil__glsl_march_hbil_store[] =
 "}\n";
 static const char hbil__glsl_march_main[] =
 "void main() {\n"
-"#if HBIL_INTERLEAVE_YES\n"
+"#if HBIL_INTERLEAVE_YES && HBIL_STAGE_COMPUTE\n"
 "    // place by place of the 4 x 4, each a quarter of the screen wide: a wave has one noise\n"
 "    ivec2 quarter = (HBIL_SIZE + 3) / 4;\n"
-"    ivec2 g = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 g = hbil_texel();\n"
 "    ivec2 p = g % quarter * 4 + g / quarter;\n"
 "    if (any(greaterThanEqual(g, 4 * quarter))) return;\n"
 "#else\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "#endif\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
@@ -4128,7 +4307,7 @@ static const char hbil__glsl_temporal_HBIL_SANE[] =
 "const float HBIL_SANE = 1e7; // history beyond, or that is no number, is thrown away\n";
 static const char hbil__glsl_temporal_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    float z = hbil_load_depth(p);\n"
 "    if (z >= HBIL_SKY) {\n"
@@ -4166,7 +4345,7 @@ static const char hbil__glsl_temporal_main[] =
 "}\n";
 static const char hbil__glsl_filter_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
@@ -4183,7 +4362,7 @@ static const char hbil__glsl_filter_main[] =
 "}\n";
 static const char hbil__glsl_filter_2_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
@@ -4200,7 +4379,7 @@ static const char hbil__glsl_filter_2_main[] =
 "}\n";
 static const char hbil__glsl_filter_3_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "#if HBIL_ARITHMETIC_HALF\n"
 "    mediump vec4 s[HBIL_LAYERS];\n"
@@ -4217,7 +4396,7 @@ static const char hbil__glsl_filter_3_main[] =
 "}\n";
 static const char hbil__glsl_upsample_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_FULL_SIZE))) return;\n"
 "    float z = texelFetch(u_full_depth, p, 0).r;\n"
 "    if (z >= HBIL_SKY) {\n"
@@ -4317,8 +4496,13 @@ static const char hbil__glsl_light_hbil_store_bounce[] =
 "#if HBIL_BOUNCES_RECURSIVE\n"
 "// What the surface may reflect in the next frame, on the grid.\n"
 "void hbil_store_bounce(ivec2 p, vec3 irradiance) {\n"
+"    uint code = hbil_pack_radiance(hbil_finite(irradiance));\n"
+"#if HBIL_STAGE_FRAGMENT\n"
+"    imageStore(u_bounce, p, uvec4(code)); // of every pixel: a fragment cannot write another one\n"
+"#else\n"
 "    ivec2 q = p / HBIL_DOWNSCALE;\n"
-"    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(hbil_pack_radiance(hbil_finite(irradiance))));\n"
+"    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(code));\n"
+"#endif\n"
 "}\n"
 "#endif\n";
 static const char hbil__glsl_light_hbil_shade[] =
@@ -4416,7 +4600,7 @@ static const char hbil__glsl_light_hbil_shade_sky[] =
 "}\n";
 static const char hbil__glsl_light_main[] =
 "void main() {\n"
-"    ivec2 p = ivec2(gl_GlobalInvocationID.xy);\n"
+"    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, hbil_frame_size()))) return;\n"
 "#if HBIL_COARSE\n"
 "    float z = texelFetch(u_full_depth, p, 0).r;\n"
@@ -4427,14 +4611,18 @@ static const char hbil__glsl_light_main[] =
 "    else hbil_shade_sky(p);\n"
 "}\n";
 static const struct { const char *name, *file, *text; } hbil__chunks[] = {
+    { "vertex", "triangle", hbil__glsl_triangle_vertex },
     { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
     { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
     { "HBIL_PI", "common", hbil__glsl_common_HBIL_PI },
+    { "hbil_texel", "common", hbil__glsl_common_hbil_texel },
     { "hbil_position", "common", hbil__glsl_common_hbil_position },
     { "hbil_nearness", "common", hbil__glsl_common_hbil_nearness },
     { "hbil_depth_of", "common", hbil__glsl_common_hbil_depth_of },
     { "hbil_view_vector", "common", hbil__glsl_common_hbil_view_vector },
     { "hbil_finite", "common", hbil__glsl_common_hbil_finite },
+    { "hbil_pack_snorm", "common", hbil__glsl_common_hbil_pack_snorm },
+    { "hbil_unpack_snorm", "common", hbil__glsl_common_hbil_unpack_snorm },
     { "hbil_encode_normal", "common", hbil__glsl_common_hbil_encode_normal },
     { "hbil_decode_normal", "common", hbil__glsl_common_hbil_decode_normal },
     { "hbil_load_depth", "common", hbil__glsl_common_hbil_load_depth },
@@ -4522,6 +4710,8 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_turn", "bitmask", hbil__glsl_bitmask_hbil_turn },
     { "hbil_span", "bitmask", hbil__glsl_bitmask_hbil_span },
     { "hbil_span_to", "bitmask", hbil__glsl_bitmask_hbil_span_to },
+    { "hbil_lowest_bit", "bitmask", hbil__glsl_bitmask_hbil_lowest_bit },
+    { "hbil_bit_count", "bitmask", hbil__glsl_bitmask_hbil_bit_count },
     { "hbil_span_of", "bitmask", hbil__glsl_bitmask_hbil_span_of },
     { "hbil_add_bits", "bitmask", hbil__glsl_bitmask_hbil_add_bits },
     { "hbil_low_end", "bitmask", hbil__glsl_bitmask_hbil_low_end },
@@ -4547,6 +4737,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_AT_SH", "signal", hbil__glsl_signal_HBIL_AT_SH },
     { "hbil_signal", "signal", hbil__glsl_signal_hbil_signal },
     { "hbil_pass_on", "signal", hbil__glsl_signal_hbil_pass_on },
+    { "hbil_store_sh_at", "signal", hbil__glsl_signal_hbil_store_sh_at },
     { "hbil_finish", "signal", hbil__glsl_signal_hbil_finish },
     { "hbil_finish_sky", "signal", hbil__glsl_signal_hbil_finish_sky },
     { "HBIL_FILTER_PLANE", "signal", hbil__glsl_signal_HBIL_FILTER_PLANE },
@@ -4573,6 +4764,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_LAST_PLANE", "last", hbil__glsl_last_HBIL_LAST_PLANE },
     { "hbil_taps", "last", hbil__glsl_last_hbil_taps },
     { "hbil_find", "last", hbil__glsl_last_hbil_find },
+    { "hbil_last_irradiance", "last", hbil__glsl_last_hbil_last_irradiance },
     { "hbil_pushed_at", "last", hbil__glsl_last_hbil_pushed_at },
     { "hbil_pushed_far_at", "last", hbil__glsl_last_hbil_pushed_far_at },
     { "HBIL_PUSHED", "last", hbil__glsl_last_HBIL_PUSHED },
@@ -4605,7 +4797,9 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_tile_light", "mips", hbil__glsl_mips_hbil_tile_light },
     { "HBIL_SAME_SURFACE", "mips", hbil__glsl_mips_HBIL_SAME_SURFACE },
     { "hbil_weights", "mips", hbil__glsl_mips_hbil_weights },
+    { "hbil_load_tile", "mips", hbil__glsl_mips_hbil_load_tile },
     { "hbil_reduce", "mips", hbil__glsl_mips_hbil_reduce },
+    { "hbil_store_level", "mips", hbil__glsl_mips_hbil_store_level },
     { "main", "mips", hbil__glsl_mips_main },
     { "HBIL_BACK_LOW", "sweep", hbil__glsl_sweep_HBIL_BACK_LOW },
     { "HBIL_BACK_HIGH", "sweep", hbil__glsl_sweep_HBIL_BACK_HIGH },
@@ -5298,7 +5492,9 @@ static int32_t hbil__plan_add_texture(hbil_plan *p, const hbil_config *c, int32_
     if (t->format == HBIL_FORMAT_SIGNAL) t->format = c->storage == HBIL_STORAGE_HALF ? HBIL_FORMAT_RGBA16F : HBIL_FORMAT_RGBA32F;
     t->life = hbil__textures[texture].life;
     if (!hbil__holds(c, hbil__textures[texture].wanted)) t->life = HBIL_LIFE_TRANSIENT;
-    t->div = hbil__textures[texture].grid ? (uint16_t)(c->downscale * hbil__textures[texture].grid) : 1;
+    t->div = hbil__textures[texture].grid;
+    if (t->div == HBIL__DRAWN) t->div = c->stage == HBIL_STAGE_COMPUTE;
+    t->div = t->div ? (uint16_t)(c->downscale * t->div) : 1;
     t->mips = 1;
     t->copies = t->life == HBIL_LIFE_HISTORY ? 2 : 1;
     t->dim = hbil__textures[texture].dim;
@@ -5320,14 +5516,48 @@ static int hbil__names(const hbil__used *used, int32_t bind)
     }
 }
 
+/* Units or render targets that a binding takes: a layer is a target of its own. */
+static int32_t hbil__slots_of(const hbil_config *c, const hbil_texture *t, int32_t access)
+{
+    return c->stage == HBIL_STAGE_FRAGMENT && access == HBIL_ACCESS_WRITE ? t->layers : 1;
+}
+
+/* Render targets of one pass that every device has. */
+static int32_t hbil__targets_most(const hbil_config *c) { return c->target == HBIL_TARGET_GLES ? 4 : 8; }
+
+/* Are there targets for all that each pass draws? What is too much depends on most options, so it is counted. */
+static int hbil__targets_fit(const hbil_plan *p, hbil_diags *diags)
+{
+    uint32_t i, b;
+    if (p->config.stage != HBIL_STAGE_FRAGMENT) return 1;
+    for (i = 0; i < p->pass_count; ++i) {
+        int32_t count = 0;
+        hbil__sink s;
+        for (b = 0; b < p->passes[i].binding_count; ++b)
+            if (p->passes[i].bindings[b].access == HBIL_ACCESS_WRITE) count += p->textures[p->passes[i].bindings[b].texture].layers;
+        if (count <= hbil__targets_most(&p->config)) continue;
+        hbil__report(diags, HBIL_ERROR, hbil_option_find("outputs", 7, NULL), &s);
+        hbil__puts(&s, "outputs: pass ");
+        hbil__puts(&s, p->passes[i].name);
+        hbil__puts(&s, " draws into ");
+        hbil__put_int(&s, count);
+        hbil__puts(&s, " layers, stage=fragment has ");
+        hbil__put_int(&s, hbil__targets_most(&p->config));
+        hbil__puts(&s, " targets: ask for fewer; set outputs=ao");
+        hbil__sink_close(&s, NULL);
+        return 0;
+    }
+    return 1;
+}
+
 static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass, const hbil__used *used)
 {
     hbil_pass *out = &p->passes[p->pass_count++];
     uint16_t slots[3] = { 0, 0, 0 }; /* by access */
     int32_t i;
     memcpy(out->name, hbil__passes[pass].name, strlen(hbil__passes[pass].name));
-    out->group[0] = hbil__passes[pass].group[0];
-    out->group[1] = hbil__passes[pass].group[1];
+    out->group[0] = c->stage == HBIL_STAGE_FRAGMENT ? 1 : hbil__passes[pass].group[0];
+    out->group[1] = c->stage == HBIL_STAGE_FRAGMENT ? 1 : hbil__passes[pass].group[1];
     out->grid = hbil__passes[pass].grid;
     out->hook = (uint16_t)used->hook;
     for (i = 0; i < HBIL__COUNT(hbil__binds); ++i) {
@@ -5338,7 +5568,8 @@ static void hbil__plan_add_pass(hbil_plan *p, const hbil_config *c, int32_t pass
         b->access = hbil__roles[b->role].access;
         b->age = hbil__roles[b->role].age;
         /* GL has a name space of its own for textures, images and uniform blocks; Vulkan has one, block first */
-        b->slot = c->target == HBIL_TARGET_GL ? slots[b->access]++ : (uint16_t)(out->binding_count + 1);
+        b->slot = c->target != HBIL_TARGET_VULKAN ? slots[b->access] : (uint16_t)(out->binding_count + 1);
+        slots[b->access] = (uint16_t)(slots[b->access] + hbil__slots_of(c, &p->textures[b->texture], b->access));
         ++out->binding_count;
     }
     out->domain = (uint16_t)hbil__plan_add_texture(p, c, hbil__passes[pass].domain);
@@ -5422,9 +5653,23 @@ static void hbil__plan_all_barriers(hbil_plan *p)
  * >>emit       GLSL of one pass
  * ====================================================================== */
 
+/* Dialects by target and stage. */
+static const char *const hbil__version_lines[2][3] = {
+    { "#version 450\n", "#version 430 core\n", "#version 310 es\n" },
+    { "", "#version 330 core\n", "#version 300 es\n" } };
+
+static int hbil__draws(const hbil_plan *p) { return p->config.stage == HBIL_STAGE_FRAGMENT; }
+
+static void hbil__put_version(hbil__sink *s, const hbil_plan *p)
+{
+    hbil__puts(s, hbil__version_lines[hbil__draws(p)][p->config.target - 1]);
+}
+
+/* "layout(...binding = 3" or, of a render target, "layout(location = 3". */
 static void hbil__put_slot(hbil__sink *s, const hbil_plan *p, uint32_t slot)
 {
-    hbil__puts(s, p->config.target == HBIL_TARGET_GL ? "layout(binding = " : "layout(set = 0, binding = ");
+    hbil__puts(s, hbil__draws(p) ? "layout(location = " : p->config.target == HBIL_TARGET_VULKAN ? "layout(set = 0, binding = "
+                                                                                              : "layout(binding = ");
     hbil__put_int(s, slot);
 }
 
@@ -5448,7 +5693,7 @@ static void hbil__put_bindings_comment(hbil__sink *s, const hbil_plan *p, const 
     for (b = 0; b < pass->binding_count; ++b) {
         const hbil_texture *t = &p->textures[pass->bindings[b].texture];
         if (pass->bindings[b].access != access) continue;
-        hbil__puts(s, some++ ? ", " : access == HBIL_ACCESS_SAMPLE ? "// reads    : " : "// writes   : ");
+        hbil__puts(s, some++ ? ", " : access == HBIL_ACCESS_SAMPLE ? "// reads    : " : hbil__draws(p) ? "// targets  : " : "// writes   : ");
         hbil__put_int(s, pass->bindings[b].slot);
         hbil__puts(s, " ");
         hbil__put_binding_name(s, p, &pass->bindings[b]);
@@ -5468,11 +5713,28 @@ static void hbil__put_group(hbil__sink *s, const hbil_pass *pass, const char *a,
     hbil__puts(s, c);
 }
 
+/* What a dialect needs before the first declaration. */
+static void hbil__emit_dialect(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass)
+{
+    uint32_t b, updates = 0, stores = 0;
+    for (b = 0; b < pass->binding_count; ++b) {
+        const hbil_binding *bind = &pass->bindings[b];
+        updates |= bind->role == HBIL_ROLE_UPDATE;
+        stores |= bind->access == HBIL_ACCESS_WRITE && p->textures[bind->texture].dim == HBIL_DIM_2D;
+    }
+    if (p->config.target == HBIL_TARGET_GLES) {
+        if (updates) hbil__puts(s, "#extension GL_OES_shader_image_atomic : enable\n");
+        hbil__puts(s, "precision highp float;\nprecision highp int;\n\n");
+    }
+    if (hbil__draws(p) && stores) hbil__puts(s, "#define imageStore(target, pixel, value) target = value // a fragment is its own pixel\n\n");
+}
+
 static void hbil__emit_header(hbil__sink *s, const hbil_plan *p, int32_t index, int32_t row)
 {
     const hbil_pass *pass = &p->passes[index];
     hbil__sink none = hbil__sink_open(NULL, 0);
-    hbil__puts(s, p->config.target == HBIL_TARGET_GL ? "#version 430 core\n// hbil " : "#version 450\n// hbil ");
+    hbil__put_version(s, p);
+    hbil__puts(s, "// hbil ");
     hbil__put_int(s, HBIL_VERSION_MAJOR);
     hbil__puts(s, ".");
     hbil__put_int(s, HBIL_VERSION_MINOR);
@@ -5505,10 +5767,41 @@ static void hbil__emit_header(hbil__sink *s, const hbil_plan *p, int32_t index, 
         hbil__put_int(s, p->constants_size);
         hbil__puts(s, " bytes)\n");
     }
-    hbil__puts(s, pass->grid == HBIL_GRID_LINES ? "// dispatch : longer side x layers of u_" : "// dispatch : size of u_");
+    hbil__puts(s, hbil__draws(p) ? "// draw     : 3 vertices of hbil_emit_vertex, viewport of the size of u_"
+                  : pass->grid == HBIL_GRID_LINES ? "// dispatch : longer side x layers of u_" : "// dispatch : size of u_");
     hbil__puts(s, p->textures[pass->domain].name);
-    hbil__put_group(s, pass, " / ", " x ", ", rounded up\n\n");
-    hbil__put_group(s, pass, "layout(local_size_x = ", ", local_size_y = ", ", local_size_z = 1) in;\n\n");
+    if (hbil__draws(p)) hbil__puts(s, "\n\n");
+    else hbil__put_group(s, pass, " / ", " x ", ", rounded up\n\n");
+    hbil__emit_dialect(s, p, pass);
+    if (!hbil__draws(p)) hbil__put_group(s, pass, "layout(local_size_x = ", ", local_size_y = ", ", local_size_z = 1) in;\n\n");
+}
+
+/* "layout(binding = 1) uniform sampler2D u_a", "layout(binding = 0, r32f) uniform writeonly image2D u_b" or "layout(location = 0)
+ * out vec4 u_c". */
+static void hbil__emit_binding(hbil__sink *s, const hbil_plan *p, const hbil_binding *bind)
+{
+    const hbil_texture *t = &p->textures[bind->texture];
+    int write = bind->access == HBIL_ACCESS_WRITE, draw = write && hbil__draws(p);
+    if (write || !hbil__draws(p)) {
+        hbil__put_slot(s, p, bind->slot);
+        if (write && !draw) {
+            hbil__puts(s, ", ");
+            hbil__puts(s, hbil_format_name((hbil_format)t->format));
+        }
+        hbil__puts(s, ") ");
+    }
+    hbil__puts(s, draw ? "out " : write && bind->role != HBIL_ROLE_UPDATE ? "uniform writeonly " : "uniform ");
+    if (p->config.target == HBIL_TARGET_GLES) hbil__puts(s, "highp ");
+    if (t->format == HBIL_FORMAT_R32UI) hbil__puts(s, "u");
+    hbil__puts(s, draw ? "vec4" : write ? "image" : "sampler");
+    if (!draw) hbil__puts(s, hbil__dims[t->dim]);
+    hbil__puts(s, " ");
+    hbil__put_binding_name(s, p, bind);
+    if (draw && t->dim == HBIL_DIM_2D_ARRAY) {
+        hbil__puts(s, "[");
+        hbil__put_int(s, t->layers);
+        hbil__puts(s, "]");
+    }
 }
 
 static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pass *pass)
@@ -5516,21 +5809,10 @@ static void hbil__emit_bindings(hbil__sink *s, const hbil_plan *p, const hbil_pa
     uint32_t b;
     for (b = 0; b < pass->binding_count; ++b) {
         const hbil_binding *bind = &pass->bindings[b];
-        const hbil_texture *t = &p->textures[bind->texture];
-        hbil__put_slot(s, p, bind->slot);
-        if (bind->access == HBIL_ACCESS_WRITE) {
-            hbil__puts(s, ", ");
-            hbil__puts(s, hbil_format_name((hbil_format)t->format));
-        }
-        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE && bind->role != HBIL_ROLE_UPDATE ? ") uniform writeonly " : ") uniform ");
-        if (t->format == HBIL_FORMAT_R32UI) hbil__puts(s, "u");
-        hbil__puts(s, bind->access == HBIL_ACCESS_WRITE ? "image" : "sampler");
-        hbil__puts(s, hbil__dims[t->dim]);
-        hbil__puts(s, " ");
-        hbil__put_binding_name(s, p, bind);
+        hbil__emit_binding(s, p, bind);
         hbil__puts(s, "; // ");
         hbil__puts(s, bind->age ? "last frame's copy: " : "");
-        hbil__puts(s, hbil__textures[hbil__texture_row(t->name)].meaning);
+        hbil__puts(s, hbil__textures[hbil__texture_row(p->textures[bind->texture].name)].meaning);
         hbil__puts(s, "\n");
     }
     hbil__puts(s, "\n");
@@ -5557,8 +5839,9 @@ static const char *hbil__uniform_meaning(const char *name)
 static void hbil__emit_block(hbil__sink *s, const hbil_plan *p)
 {
     uint32_t i;
-    hbil__put_slot(s, p, p->constants_slot);
-    hbil__puts(s, ", std140) uniform HbilFrame {\n");
+    if (hbil__draws(p)) hbil__puts(s, "layout(");
+    else hbil__put_slot(s, p, p->constants_slot);
+    hbil__puts(s, hbil__draws(p) ? "std140) uniform HbilFrame {\n" : ", std140) uniform HbilFrame {\n");
     for (i = 0; i < p->constant_count; ++i) {
         const hbil_constant *k = &p->constants[i];
         hbil__puts(s, "    ");
@@ -5839,6 +6122,13 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
         hbil__json_int(s, "age", bind->age, 0);
         hbil__json_int(s, "mip", bind->mip, 0);
         hbil__json_text(s, "role", hbil__role_names[bind->role], 0);
+        if (p->config.target == HBIL_TARGET_VULKAN) { /* what HLSL and MSL are made from */
+            hbil__puts(s, bind->access == HBIL_ACCESS_SAMPLE ? ", \"hlsl\": \"t" : ", \"hlsl\": \"u");
+            hbil__put_int(s, hbil_plan_register(p, (int32_t)(pass - p->passes), (int32_t)b));
+            hbil__puts(s, "\", \"msl\": \"texture(");
+            hbil__put_int(s, b);
+            hbil__puts(s, ")\"");
+        }
         hbil__puts(s, "}");
     }
     hbil__puts(s, "],\n     \"barriers\": [");
@@ -6101,8 +6391,8 @@ static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__c
     } else if (strcmp(k->name, "HBIL_FULL_SIZE") == 0) {
         v.i[0] = (int32_t)f->width;
         v.i[1] = (int32_t)f->height;
-    } else if (strcmp(k->name, "HBIL_SIZE") == 0 || strcmp(k->name, "HBIL_LAST_SIZE") == 0) {
-        int last = k->name[5] == 'L' && !f->reset, div = p->config.downscale;
+    } else if (strcmp(k->name, "HBIL_SIZE") == 0 || strcmp(k->name, "HBIL_LAST_SIZE") == 0 || strcmp(k->name, "HBIL_LAST_FULL_SIZE") == 0) {
+        int last = k->name[5] == 'L' && !f->reset, div = strcmp(k->name, "HBIL_LAST_FULL_SIZE") ? p->config.downscale : 1;
         uint32_t w = f->width ? f->width : (uint32_t)p->config.width, h = f->height ? f->height : (uint32_t)p->config.height;
         v.i[0] = ((int32_t)(last && f->last_width ? f->last_width : w) + div - 1) / div;
         v.i[1] = ((int32_t)(last && f->last_height ? f->last_height : h) + div - 1) / div;
@@ -6399,7 +6689,9 @@ hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, hbil_diag
                                     hbil__options[i].kind == HBIL_KIND_INT ? HBIL_TYPE_INT : HBIL_TYPE_FLOAT, i);
     out->constants_size = (out->constants_size + 15) / 16 * 16;
     hbil__plan_all_barriers(out);
-    return HBIL_OK;
+    if (hbil__targets_fit(out, diags)) return HBIL_OK;
+    memset(out, 0, sizeof *out);
+    return HBIL_E_CONFIG;
 }
 
 int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
@@ -6409,6 +6701,17 @@ int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
     for (i = 0; i < plan->texture_count && i < HBIL_MAX_TEXTURES; ++i)
         if (strcmp(plan->textures[i].name, name) == 0) return (int32_t)i;
     return -1;
+}
+
+int32_t hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding)
+{
+    const hbil_pass *p;
+    int32_t i, n = 0;
+    if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count) return -1;
+    p = &plan->passes[pass];
+    if (binding < 0 || binding >= p->binding_count) return -1;
+    for (i = 0; i < binding; ++i) n += p->bindings[i].access == p->bindings[binding].access;
+    return n;
 }
 
 int32_t hbil_plan_pass(const hbil_plan *plan, const char *name)
@@ -6493,6 +6796,17 @@ hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char 
 hbil_result hbil_emit_glsl(const hbil_plan *plan, int32_t pass, char *buf, size_t cap, size_t *need)
 {
     return hbil_emit_glsl_hook(plan, pass, NULL, buf, cap, need, NULL);
+}
+
+hbil_result hbil_emit_vertex(const hbil_plan *plan, char *buf, size_t cap, size_t *need)
+{
+    hbil__sink s = hbil__sink_open(buf, cap);
+    int32_t i;
+    if (!plan || !hbil__draws(plan) || (!buf && cap)) return HBIL_E_ARG;
+    hbil__put_version(&s, plan);
+    for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
+        if (strcmp(hbil__chunks[i].name, "vertex") == 0) hbil__puts(&s, hbil__chunks[i].text);
+    return hbil__sink_close(&s, need);
 }
 
 hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, size_t *need)

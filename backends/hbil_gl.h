@@ -1,4 +1,5 @@
-/* hbil_gl.h - runs a plan of hbil.h on OpenGL 4.3 or later: three calls to set up, one call a frame.
+/* hbil_gl.h - runs a plan of hbil.h on OpenGL 4.3 or ES 3.1 or later, with stage=fragment on OpenGL 3.3 or ES 3.0: three calls to set
+ * up, one call a frame.
  *
  * May be used as it is. In exactly one C99 or C++11 file, define HBIL_GL_IMPLEMENTATION before the include; the
  * implementation of hbil.h has to be in the program too. Includes no GL header and links no GL library: every function comes
@@ -6,17 +7,16 @@
  * header may stand in the same file before or after this one.
  *
  * Features
- *   [x] Any plan with target=gl: inputs, outputs, transient and history textures (copies, age)
+ *   [x] Any plan with target=gl or gles, stage=compute or fragment: inputs, outputs, transient and history textures (copies, age)
  *   [x] 2D, multisampled, array, cube and 3D textures; your function for environment=hook
  *   [x] Barriers: glMemoryBarrier exactly where the plan says, with the narrowest bits
  *   [x] Your textures are checked once, on resize: missing, wrong target, too small, wrong format; the message names the fix
  *   [x] No heap, no thread, no global: the context lives in your memory (7 KB), text passes through your scratch buffer
  *   [x] Puts back all GL state that it touches (list below); tests/gpu/test_gl_state.c sets each item and compares
- *   [x] Milliseconds per pass, also on software rasterisers
+ *   [x] Milliseconds per pass, also on software rasterisers; not on ES, which has no time stamps
  *   [x] Labels on programs and textures, for RenderDoc and debug output
  *   [x] The first frame after a resize begins without history
  *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
- *   [ ] OpenGL ES
  *   [ ] Contexts older than 4.3 with ARB_compute_shader and friends
  *   [ ] Mip chains: no plan has them yet
  *   [ ] Transient textures that share memory
@@ -34,10 +34,12 @@
  *   | TRANSIENT, HISTORY textures   | hbil_gl_resize | hbil_gl_resize, hbil_gl_shutdown          |
  *   | a program per pass            | hbil_gl_init   | hbil_gl_shutdown                          |
  *   | two samplers, one buffer      | hbil_gl_init   | hbil_gl_shutdown                          |
+ *   | stage=fragment: a framebuffer per pass, a vertex array | hbil_gl_init | hbil_gl_shutdown     |
  *
  * State put back
- *   hbil_gl_init, hbil_gl_shutdown   touch none
+ *   hbil_gl_init, hbil_gl_shutdown   touch none; with stage=fragment init GL_CURRENT_PROGRAM
  *   hbil_gl_resize                   of the active unit, for each target that the plan has: GL_TEXTURE_BINDING_<target>
+ *                                    stage=fragment: GL_DRAW_FRAMEBUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER_BINDING
  *   hbil_gl_run                      GL_CURRENT_PROGRAM
  *                                    GL_ACTIVE_TEXTURE
  *                                    of each texture unit that the plan uses: GL_SAMPLER_BINDING, and for each target that
@@ -47,6 +49,11 @@
  *                                    of the uniform binding that the plan uses: GL_UNIFORM_BUFFER_BINDING, _START, _SIZE
  *                                    GL_UNIFORM_BUFFER_BINDING (the generic one)
  *                                    GL_TEXTURE_CUBE_MAP_SEAMLESS, on while a plan with a cube map runs
+ *                                    stage=fragment: GL_DRAW_FRAMEBUFFER_BINDING, GL_VERTEX_ARRAY_BINDING, GL_VIEWPORT,
+ *                                    GL_POLYGON_MODE, GL_BLEND and GL_COLOR_WRITEMASK of eight targets (ES: of all at once),
+ *                                    GL_DEPTH_TEST, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD,
+ *                                    GL_COLOR_LOGIC_OP, GL_CLIP_DISTANCE0 to 7. Of viewport arrays (OpenGL 4.1) the first is
+ *                                    saved, and stands in all afterwards
  *   A current program that you have already deleted cannot be put back, since GL frees it when it stops being current: 0 is
  *   current afterwards. Call hbil_gl_run outside transform feedback and conditional rendering, which GL applies to it too.
  *   glGetError is never called while all goes well, so errors of yours stay pending. Where a GL call of ours fails (a texture
@@ -54,7 +61,7 @@
  *   with it, since GL keeps the first only.
  *
  * Integration in five steps
- *   1. Plan: hbil_config c = {0}; c.target = HBIL_TARGET_GL; hbil_plan_build(&c, &plan, &diags);
+ *   1. Plan: hbil_config c = {0}; c.target = HBIL_TARGET_GL; (or HBIL_TARGET_GLES, c.stage = HBIL_STAGE_FRAGMENT) hbil_plan_build(&c, &plan, &diags);
  *   2. With your context current:
  *          static void *get_proc(void *user, const char *name) { (void)user; return SDL_GL_GetProcAddress(name); }
  *          static char scratch[HBIL_GLSL_MAX];
@@ -82,6 +89,7 @@
  *      hbil_gl_shutdown(&gl);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-25  NEW   target=gles; stage=fragment; outputs on ES have to be made by glTexStorage, which is checked
  *   2026-11-25  NEW   frames smaller than the textures; the first frame after a resize has no history
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook
  *   2026-11-22  NEW   first version
@@ -118,7 +126,7 @@ extern "C" {
 #define HBIL_GL_RESULTS(X)                                                  \
     X(OK,         "success")                                                \
     X(E_ARG,      "null pointer, number out of range, or call out of order") \
-    X(E_CONTEXT,  "no current context, or not desktop OpenGL 4.3")          \
+    X(E_CONTEXT,  "no current context, or of another kind or version than the plan wants") \
     X(E_FUNCTION, "get_proc does not know a GL function")                   \
     X(E_PLAN,     "plan is for another target or exceeds a limit")          \
     X(E_SPACE,    "scratch buffer too small")                               \
@@ -129,66 +137,133 @@ extern "C" {
 #define HBIL_GL__RESULT_ENUM(name, text) HBIL_GL_##name,
 typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESULT_COUNT } hbil_gl_result;
 
-/* GL functions in use, named as WebGL names them: no GL header has macros of these names. */
-#define HBIL_GL__FUNCTIONS(X)                                                                                            \
-    X(void,     activeTexture,          "glActiveTexture",          (unsigned unit))                                     \
-    X(void,     attachShader,           "glAttachShader",           (unsigned program, unsigned shader))                 \
-    X(void,     bindBuffer,             "glBindBuffer",             (unsigned target, unsigned buffer))                  \
-    X(void,     bindBufferBase,         "glBindBufferBase",         (unsigned target, unsigned index, unsigned buffer))  \
-    X(void,     bindBufferRange,        "glBindBufferRange",        (unsigned target, unsigned index, unsigned buffer,   \
-                                                                     ptrdiff_t offset, ptrdiff_t size))                  \
-    X(void,     bindImageTexture,       "glBindImageTexture",       (unsigned unit, unsigned texture, int level,         \
-                                                                     unsigned char layered, int layer, unsigned access,  \
-                                                                     unsigned format))                                   \
-    X(void,     bindSampler,            "glBindSampler",            (unsigned unit, unsigned sampler))                   \
-    X(void,     bindTexture,            "glBindTexture",            (unsigned target, unsigned texture))                 \
-    X(void,     bufferData,             "glBufferData",             (unsigned target, ptrdiff_t size, const void *data,  \
-                                                                     unsigned usage))                                    \
-    X(void,     compileShader,          "glCompileShader",          (unsigned shader))                                   \
-    X(unsigned, createProgram,          "glCreateProgram",          (void))                                              \
-    X(unsigned, createShader,           "glCreateShader",           (unsigned type))                                     \
-    X(void,     deleteBuffers,          "glDeleteBuffers",          (int count, const unsigned *buffers))                \
-    X(void,     deleteProgram,          "glDeleteProgram",          (unsigned program))                                  \
-    X(void,     deleteSamplers,         "glDeleteSamplers",         (int count, const unsigned *samplers))               \
-    X(void,     deleteShader,           "glDeleteShader",           (unsigned shader))                                   \
-    X(void,     deleteTextures,         "glDeleteTextures",         (int count, const unsigned *textures))               \
-    X(void,     disable,                "glDisable",                (unsigned capability))                               \
-    X(void,     dispatchCompute,        "glDispatchCompute",        (unsigned x, unsigned y, unsigned z))                \
-    X(void,     enable,                 "glEnable",                 (unsigned capability))                               \
-    X(void,     finish,                 "glFinish",                 (void))                                              \
-    X(void,     genBuffers,             "glGenBuffers",             (int count, unsigned *buffers))                      \
-    X(void,     genSamplers,            "glGenSamplers",            (int count, unsigned *samplers))                     \
-    X(void,     genTextures,            "glGenTextures",            (int count, unsigned *textures))                     \
-    X(unsigned, getError,               "glGetError",               (void))                                              \
-    X(void,     getInteger64i_v,        "glGetInteger64i_v",        (unsigned name, unsigned index, int64_t *value))     \
-    X(void,     getInteger64v,          "glGetInteger64v",          (unsigned name, int64_t *value))                     \
-    X(void,     getIntegeri_v,          "glGetIntegeri_v",          (unsigned name, unsigned index, int *value))         \
-    X(void,     getIntegerv,            "glGetIntegerv",            (unsigned name, int *value))                         \
-    X(void,     getProgramInfoLog,      "glGetProgramInfoLog",      (unsigned program, int size, int *length,           \
-                                                                     char *log))                                         \
-    X(void,     getProgramiv,           "glGetProgramiv",           (unsigned program, unsigned name, int *value))       \
-    X(void,     getShaderInfoLog,       "glGetShaderInfoLog",       (unsigned shader, int size, int *length,            \
-                                                                     char *log))                                         \
-    X(void,     getShaderiv,            "glGetShaderiv",            (unsigned shader, unsigned name, int *value))        \
-    X(const unsigned char *, getString, "glGetString",              (unsigned name))                                     \
-    X(void,     getTexLevelParameteriv, "glGetTexLevelParameteriv", (unsigned target, int level, unsigned name,          \
-                                                                     int *value))                                        \
-    X(unsigned char, isEnabled,         "glIsEnabled",              (unsigned capability))                               \
-    X(unsigned char, isProgram,         "glIsProgram",              (unsigned program))                                  \
-    X(unsigned char, isTexture,         "glIsTexture",              (unsigned texture))                                  \
-    X(void,     linkProgram,            "glLinkProgram",            (unsigned program))                                  \
-    X(void,     memoryBarrier,          "glMemoryBarrier",          (unsigned bits))                                     \
-    X(void,     objectLabel,            "glObjectLabel",            (unsigned kind, unsigned name, int length,           \
-                                                                     const char *label))                                 \
-    X(void,     samplerParameteri,      "glSamplerParameteri",      (unsigned sampler, unsigned name, int value))        \
-    X(void,     shaderSource,           "glShaderSource",           (unsigned shader, int count,                         \
-                                                                     const char *const *text, const int *lengths))       \
-    X(void,     texStorage2D,           "glTexStorage2D",           (unsigned target, int levels, unsigned format,       \
-                                                                     int width, int height))                             \
-    X(void,     texStorage3D,           "glTexStorage3D",           (unsigned target, int levels, unsigned format,       \
-                                                                     int width, int height, int depth))                  \
-    X(void,     useProgram,             "glUseProgram",             (unsigned program))
-#define HBIL_GL__MEMBER(type, member, name, args) type (HBIL_GL_CALL *member) args;
+/* GL functions in use, named as WebGL names them: no GL header has macros of these names. First when they are needed: always; for
+ * compute shaders; to draw (stage=fragment); to draw on desktop GL; or OPTIONAL, used where they are there. */
+#define HBIL_GL__FUNCTIONS(X)                                                                                               \
+    X(ALWAYS,   void,           activeTexture,            "glActiveTexture",           (unsigned unit))                     \
+    X(ALWAYS,   void,           attachShader,             "glAttachShader",            (unsigned program, unsigned shader)) \
+    X(ALWAYS,   void,           bindBuffer,               "glBindBuffer",              (unsigned target, unsigned buffer))  \
+    X(ALWAYS,   void,           bindBufferBase,           "glBindBufferBase",          (unsigned target, unsigned index,    \
+                                                                                     unsigned buffer))                      \
+    X(ALWAYS,   void,           bindBufferRange,          "glBindBufferRange",         (unsigned target, unsigned index,    \
+                                                                                     unsigned buffer, ptrdiff_t offset,     \
+                                                                                     ptrdiff_t size))                       \
+    X(DRAW,     void,           bindFramebuffer,          "glBindFramebuffer",         (unsigned target,                    \
+                                                                                     unsigned framebuffer))                 \
+    X(COMPUTE,  void,           bindImageTexture,         "glBindImageTexture",        (unsigned unit, unsigned texture,    \
+                                                                                     int level, unsigned char layered,      \
+                                                                                     int layer, unsigned access,            \
+                                                                                     unsigned format))                      \
+    X(ALWAYS,   void,           bindSampler,              "glBindSampler",             (unsigned unit, unsigned sampler))   \
+    X(ALWAYS,   void,           bindTexture,              "glBindTexture",             (unsigned target, unsigned texture)) \
+    X(DRAW,     void,           bindVertexArray,          "glBindVertexArray",         (unsigned array))                    \
+    X(ALWAYS,   void,           bufferData,               "glBufferData",              (unsigned target, ptrdiff_t size,    \
+                                                                                     const void *data, unsigned usage))     \
+    X(DRAW,     unsigned,       checkFramebufferStatus,   "glCheckFramebufferStatus",  (unsigned target))                   \
+    X(DRAW,     void,           colorMask,                "glColorMask",               (unsigned char r, unsigned char g,   \
+                                                                                     unsigned char b, unsigned char a))     \
+    X(DESKTOP,  void,           colorMaski,               "glColorMaski",              (unsigned buffer, unsigned char r,   \
+                                                                                     unsigned char g, unsigned char b,      \
+                                                                                     unsigned char a))                      \
+    X(ALWAYS,   void,           compileShader,            "glCompileShader",           (unsigned shader))                   \
+    X(ALWAYS,   unsigned,       createProgram,            "glCreateProgram",           (void))                              \
+    X(ALWAYS,   unsigned,       createShader,             "glCreateShader",            (unsigned type))                     \
+    X(ALWAYS,   void,           deleteBuffers,            "glDeleteBuffers",           (int count, const unsigned *buffers))\
+    X(DRAW,     void,           deleteFramebuffers,       "glDeleteFramebuffers",      (int count,                          \
+                                                                                     const unsigned *framebuffers))         \
+    X(ALWAYS,   void,           deleteProgram,            "glDeleteProgram",           (unsigned program))                  \
+    X(ALWAYS,   void,           deleteSamplers,           "glDeleteSamplers",          (int count,                          \
+                                                                                     const unsigned *samplers))             \
+    X(ALWAYS,   void,           deleteShader,             "glDeleteShader",            (unsigned shader))                   \
+    X(ALWAYS,   void,           deleteTextures,           "glDeleteTextures",          (int count,                          \
+                                                                                     const unsigned *textures))             \
+    X(DRAW,     void,           deleteVertexArrays,       "glDeleteVertexArrays",      (int count, const unsigned *arrays)) \
+    X(ALWAYS,   void,           disable,                  "glDisable",                 (unsigned capability))               \
+    X(DESKTOP,  void,           disablei,                 "glDisablei",                (unsigned capability,                \
+                                                                                     unsigned index))                       \
+    X(COMPUTE,  void,           dispatchCompute,          "glDispatchCompute",         (unsigned x, unsigned y, unsigned z))\
+    X(DRAW,     void,           drawArrays,               "glDrawArrays",              (unsigned mode, int first,           \
+                                                                                     int count))                            \
+    X(DRAW,     void,           drawBuffers,              "glDrawBuffers",             (int count, const unsigned *buffers))\
+    X(ALWAYS,   void,           enable,                   "glEnable",                  (unsigned capability))               \
+    X(DESKTOP,  void,           enablei,                  "glEnablei",                 (unsigned capability,                \
+                                                                                     unsigned index))                       \
+    X(ALWAYS,   void,           finish,                   "glFinish",                  (void))                              \
+    X(DRAW,     void,           framebufferTexture2D,     "glFramebufferTexture2D",    (unsigned target,                    \
+                                                                                     unsigned attachment,                   \
+                                                                                     unsigned texture_target,               \
+                                                                                     unsigned texture, int level))          \
+    X(DRAW,     void,           framebufferTextureLayer,  "glFramebufferTextureLayer", (unsigned target,                    \
+                                                                                     unsigned attachment, unsigned texture, \
+                                                                                     int level, int layer))                 \
+    X(ALWAYS,   void,           genBuffers,               "glGenBuffers",              (int count, unsigned *buffers))      \
+    X(DRAW,     void,           genFramebuffers,          "glGenFramebuffers",         (int count, unsigned *framebuffers)) \
+    X(ALWAYS,   void,           genSamplers,              "glGenSamplers",             (int count, unsigned *samplers))     \
+    X(ALWAYS,   void,           genTextures,              "glGenTextures",             (int count, unsigned *textures))     \
+    X(DRAW,     void,           genVertexArrays,          "glGenVertexArrays",         (int count, unsigned *arrays))       \
+    X(DESKTOP,  void,           getBooleani_v,            "glGetBooleani_v",           (unsigned name, unsigned index,      \
+                                                                                     unsigned char *values))                \
+    X(DRAW,     void,           getBooleanv,              "glGetBooleanv",             (unsigned name,                      \
+                                                                                     unsigned char *values))                \
+    X(ALWAYS,   unsigned,       getError,                 "glGetError",                (void))                              \
+    X(ALWAYS,   void,           getInteger64i_v,          "glGetInteger64i_v",         (unsigned name, unsigned index,      \
+                                                                                     int64_t *value))                       \
+    X(ALWAYS,   void,           getInteger64v,            "glGetInteger64v",           (unsigned name, int64_t *value))     \
+    X(ALWAYS,   void,           getIntegeri_v,            "glGetIntegeri_v",           (unsigned name, unsigned index,      \
+                                                                                     int *value))                           \
+    X(ALWAYS,   void,           getIntegerv,              "glGetIntegerv",             (unsigned name, int *value))         \
+    X(ALWAYS,   void,           getProgramInfoLog,        "glGetProgramInfoLog",       (unsigned program, int size,         \
+                                                                                     int *length, char *log))               \
+    X(ALWAYS,   void,           getProgramiv,             "glGetProgramiv",            (unsigned program, unsigned name,    \
+                                                                                     int *value))                           \
+    X(ALWAYS,   void,           getShaderInfoLog,         "glGetShaderInfoLog",        (unsigned shader, int size,          \
+                                                                                     int *length, char *log))               \
+    X(ALWAYS,   void,           getShaderiv,              "glGetShaderiv",             (unsigned shader, unsigned name,     \
+                                                                                     int *value))                           \
+    X(ALWAYS,   const unsigned char *, getString, "glGetString", (unsigned name))                                           \
+    X(OPTIONAL, void,           getTexLevelParameteriv,   "glGetTexLevelParameteriv",  (unsigned target, int level,         \
+                                                                                     unsigned name, int *value))            \
+    X(ALWAYS,   void,           getTexParameteriv,        "glGetTexParameteriv",       (unsigned target, unsigned name,     \
+                                                                                     int *value))                           \
+    X(DRAW,     unsigned,       getUniformBlockIndex,     "glGetUniformBlockIndex",    (unsigned program, const char *name))\
+    X(DRAW,     int,            getUniformLocation,       "glGetUniformLocation",      (unsigned program, const char *name))\
+    X(ALWAYS,   unsigned char,  isEnabled,                "glIsEnabled",               (unsigned capability))               \
+    X(DESKTOP,  unsigned char,  isEnabledi,               "glIsEnabledi",              (unsigned capability,                \
+                                                                                     unsigned index))                       \
+    X(ALWAYS,   unsigned char,  isProgram,                "glIsProgram",               (unsigned program))                  \
+    X(ALWAYS,   unsigned char,  isTexture,                "glIsTexture",               (unsigned texture))                  \
+    X(ALWAYS,   void,           linkProgram,              "glLinkProgram",             (unsigned program))                  \
+    X(COMPUTE,  void,           memoryBarrier,            "glMemoryBarrier",           (unsigned bits))                     \
+    X(OPTIONAL, void,           objectLabel,              "glObjectLabel",             (unsigned kind, unsigned name,       \
+                                                                                     int length, const char *label))        \
+    X(DESKTOP,  void,           polygonMode,              "glPolygonMode",             (unsigned face, unsigned mode))      \
+    X(ALWAYS,   void,           samplerParameteri,        "glSamplerParameteri",       (unsigned sampler, unsigned name,    \
+                                                                                     int value))                            \
+    X(ALWAYS,   void,           shaderSource,             "glShaderSource",            (unsigned shader, int count,         \
+                                                                                     const char *const *text,               \
+                                                                                     const int *lengths))                   \
+    X(DRAW,     void,           texImage2D,               "glTexImage2D",              (unsigned target, int level,         \
+                                                                                     int internal, int width, int height,   \
+                                                                                     int border, unsigned format,           \
+                                                                                     unsigned type, const void *texels))    \
+    X(DRAW,     void,           texImage3D,               "glTexImage3D",              (unsigned target, int level,         \
+                                                                                     int internal, int width, int height,   \
+                                                                                     int depth, int border,                 \
+                                                                                     unsigned format, unsigned type,        \
+                                                                                     const void *texels))                   \
+    X(COMPUTE,  void,           texStorage2D,             "glTexStorage2D",            (unsigned target, int levels,        \
+                                                                                     unsigned format, int width,            \
+                                                                                     int height))                           \
+    X(COMPUTE,  void,           texStorage3D,             "glTexStorage3D",            (unsigned target, int levels,        \
+                                                                                     unsigned format, int width,            \
+                                                                                     int height, int depth))                \
+    X(DRAW,     void,           uniform1i,                "glUniform1i",               (int location, int value))           \
+    X(DRAW,     void,           uniformBlockBinding,      "glUniformBlockBinding",     (unsigned program, unsigned block,   \
+                                                                                     unsigned binding))                     \
+    X(ALWAYS,   void,           useProgram,               "glUseProgram",              (unsigned program))                  \
+    X(DRAW,     void,           viewport,                 "glViewport",                (int x, int y, int width,            \
+                                                                                     int height))
+#define HBIL_GL__MEMBER(when, type, member, name, args) type (HBIL_GL_CALL *member) args;
 typedef struct hbil_gl_functions { HBIL_GL__FUNCTIONS(HBIL_GL__MEMBER) } hbil_gl_functions;
 
 /* What hbil_gl_init needs. Zero every member first. */
@@ -212,10 +287,12 @@ typedef struct hbil_gl {
     int       timings;
     uint32_t  texture_units[HBIL_GL__DIMS]; /* by hbil_dim. bit n: unit n is used with that target; [0]: with any */
     uint32_t  image_units;      /* bit n: unit n is used */
+    int       es, draws;        /* 1: target=gles; 1: stage=fragment */
     unsigned  program[HBIL_MAX_PASSES];
     unsigned  texture[HBIL_MAX_TEXTURES][HBIL_GL_MAX_COPIES]; /* yours and ours, by plan texture and copy */
     unsigned  samplers[2];      /* nearest; linear for CUBE and 3D. They overrule the parameters of your textures */
     unsigned  buffer;           /* uniform block */
+    unsigned  framebuffer[HBIL_MAX_PASSES], vertex_array; /* stage=fragment */
     double    ms[HBIL_MAX_PASSES];
     hbil_gl_functions gl;
     char      message[512];     /* of the last call that failed; terminated */
@@ -286,8 +363,21 @@ enum {
     HBIL_GL__TEXTURE_FETCH_BARRIER_BIT = 0x08, HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT = 0x20,
     HBIL_GL__MAX_COMBINED_TEXTURE_IMAGE_UNITS = 0x8B4D, HBIL_GL__MAX_IMAGE_UNITS = 0x8F38,
     HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F,
-    HBIL_GL__VERSION = 0x1F02, HBIL_GL__TIMESTAMP = 0x8E28
+    HBIL_GL__VERSION = 0x1F02, HBIL_GL__TIMESTAMP = 0x8E28, HBIL_GL__TEXTURE_IMMUTABLE_FORMAT = 0x912F,
+    HBIL_GL__FRAGMENT_SHADER = 0x8B30, HBIL_GL__VERTEX_SHADER = 0x8B31, HBIL_GL__TRIANGLES = 0x0004,
+    HBIL_GL__DRAW_FRAMEBUFFER = 0x8CA9, HBIL_GL__DRAW_FRAMEBUFFER_BINDING = 0x8CA6, HBIL_GL__COLOR_ATTACHMENT0 = 0x8CE0,
+    HBIL_GL__FRAMEBUFFER_COMPLETE = 0x8CD5, HBIL_GL__VERTEX_ARRAY_BINDING = 0x85B5, HBIL_GL__VIEWPORT = 0x0BA2,
+    HBIL_GL__PIXEL_UNPACK_BUFFER = 0x88EC, HBIL_GL__PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
+    HBIL_GL__BLEND = 0x0BE2, HBIL_GL__COLOR_WRITEMASK = 0x0C23, HBIL_GL__POLYGON_MODE = 0x0B40, HBIL_GL__FILL = 0x1B02,
+    HBIL_GL__FRONT_AND_BACK = 0x0408, HBIL_GL__RED = 0x1903, HBIL_GL__RGBA = 0x1908, HBIL_GL__RED_INTEGER = 0x8D94,
+    HBIL_GL__FLOAT = 0x1406
 };
+
+/* Capabilities that would spoil a triangle over the whole target; the first five are of ES, too. */
+static const unsigned hbil_gl__capabilities[] = { 0x0B71 /* GL_DEPTH_TEST */, 0x0B90 /* GL_STENCIL_TEST */,
+    0x0C11 /* GL_SCISSOR_TEST */, 0x0B44 /* GL_CULL_FACE */, 0x8C89 /* GL_RASTERIZER_DISCARD */, 0x0BF2 /* GL_COLOR_LOGIC_OP */,
+    0x3000, 0x3001, 0x3002, 0x3003, 0x3004, 0x3005, 0x3006, 0x3007 /* GL_CLIP_DISTANCE0... */ };
+enum { HBIL_GL__CAPABILITIES = sizeof hbil_gl__capabilities / sizeof *hbil_gl__capabilities, HBIL_GL__TARGETS = 8 };
 
 /* Targets by hbil_dim. level: what glGetTexLevelParameteriv takes. */
 static const struct { unsigned target, binding, level; const char *name; } hbil_gl__targets[HBIL_GL__DIMS] = {
@@ -308,6 +398,8 @@ typedef struct hbil_gl__state {
     struct { int name, level, layered, layer, access, format; } image[HBIL_GL_MAX_UNITS];
     int     uniform_buffer, uniform_generic;
     int64_t uniform_start, uniform_size;
+    int     framebuffer, vertex_array, viewport[4], polygon_mode[2]; /* from here on: stage=fragment */
+    unsigned char enabled[HBIL_GL__CAPABILITIES], blend[HBIL_GL__TARGETS], mask[HBIL_GL__TARGETS][4];
 } hbil_gl__state;
 
 static hbil_gl_result hbil_gl__fail(hbil_gl *ctx, hbil_gl_result result, const char *format, ...)
@@ -322,31 +414,48 @@ static hbil_gl_result hbil_gl__fail(hbil_gl *ctx, hbil_gl_result result, const c
 /* ---------------------------------------------------------------------------------------------- init and shutdown */
 
 /* The version is judged before missing functions: on an old context it is the reason why they are missing. It is read as
- * text, since GL_MAJOR_VERSION is itself an error before 3.0 and ES shares its numbers. */
+ * text, since GL_MAJOR_VERSION is itself an error before 3.0. */
+static hbil_gl_result hbil_gl__check_version(hbil_gl *ctx)
+{
+    static const char *const least[2][2] = { { "4.3", "3.3" }, { "3.1", "3.0" } };
+    const char *version = (const char *)ctx->gl.getString(HBIL_GL__VERSION), *number, *need = least[ctx->es][ctx->draws];
+    const char *kind = ctx->es ? "OpenGL ES" : "desktop OpenGL";
+    int es;
+    if (!version)
+        return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "no GL context is current on this thread: make yours current "
+                             "before hbil_gl_init");
+    es = strncmp(version, "OpenGL ES ", 10) == 0;
+    number = version + (es ? 10 : 0);
+    if (es != ctx->es || number[0] < '0' || number[0] > '9')
+        return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not %s: ask for %s %s%s, or build the plan with "
+                             "target=%s", version, kind, ctx->es ? kind : "OpenGL", need, ctx->es ? "" : " core", es ? "gles" : "gl");
+    if (es && number[0] == '3' && number[2] == '0') ctx->gl.getTexLevelParameteriv = NULL; /* some loaders know it, but it is of 3.1 */
+    if (number[0] < need[0] || (number[0] == need[0] && number[2] < need[2]))
+        return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", %s need %s: ask for a %s%s context when you "
+                             "create it, or update the driver%s", version, ctx->draws ? "these shaders" : "compute shaders", need,
+                             need, ctx->es ? "" : " core", ctx->draws ? "" : ", or build the plan with stage=fragment");
+    return HBIL_GL_OK;
+}
+
 static hbil_gl_result hbil_gl__load(hbil_gl *ctx, const hbil_gl_info *info)
 {
-#define HBIL_GL__ROW(type, member, name, args) { name, offsetof(hbil_gl_functions, member) },
-    static const struct { const char *name; size_t offset; } table[] = { HBIL_GL__FUNCTIONS(HBIL_GL__ROW) };
+    enum { ALWAYS, COMPUTE, DRAW, DESKTOP, OPTIONAL };
+#define HBIL_GL__ROW(when, type, member, name, args) { name, offsetof(hbil_gl_functions, member), when },
+    static const struct { const char *name; size_t offset; int when; } table[] = { HBIL_GL__FUNCTIONS(HBIL_GL__ROW) };
 #undef HBIL_GL__ROW
-    const char *missing = NULL, *version = NULL;
+    const char *missing = NULL;
     size_t i;
     for (i = 0; i < sizeof table / sizeof *table; ++i) {
         void *address = info->get_proc(info->user, table[i].name);
-        if (!address && !missing) missing = table[i].name;
+        int needed = table[i].when == ALWAYS || (table[i].when == COMPUTE && !ctx->draws) || (table[i].when == DRAW && ctx->draws) ||
+                     (table[i].when == DESKTOP && ctx->draws && !ctx->es);
+        if (!address && !missing && needed) missing = table[i].name;
         /* copied as bytes: ISO C has no conversion between object and function pointers */
         memcpy((char *)&ctx->gl + table[i].offset, &address, sizeof address);
     }
     if (ctx->gl.getString) {
-        version = (const char *)ctx->gl.getString(HBIL_GL__VERSION);
-        if (!version)
-            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "no GL context is current on this thread: make yours current "
-                                 "before hbil_gl_init");
-        if (version[0] < '0' || version[0] > '9')
-            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not desktop OpenGL: ask for OpenGL 4.3 "
-                                 "core", version);
-        if (version[0] < '4' || (version[0] == '4' && version[2] < '3'))
-            return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", compute shaders need 4.3: ask for "
-                                 "a 4.3 core context when you create it, or update the driver", version);
+        hbil_gl_result result = hbil_gl__check_version(ctx);
+        if (result != HBIL_GL_OK) return result;
     }
     if (missing)
         return hbil_gl__fail(ctx, HBIL_GL_E_FUNCTION, "get_proc returns NULL for %s: give the loader of the current context, "
@@ -377,11 +486,9 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
     int texture_units = 0, image_units = 0, uniform_bindings = 0;
     hbil_gl_result result = HBIL_GL_OK;
     uint32_t i, k;
-    if (plan->config.target != HBIL_TARGET_GL)
-        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the plan was built for another target: set target=gl in the config before "
-                             "hbil_plan_build");
     ctx->gl.getIntegerv(HBIL_GL__MAX_COMBINED_TEXTURE_IMAGE_UNITS, &texture_units);
-    ctx->gl.getIntegerv(HBIL_GL__MAX_IMAGE_UNITS, &image_units);
+    if (ctx->draws) image_units = HBIL_GL__TARGETS;
+    else ctx->gl.getIntegerv(HBIL_GL__MAX_IMAGE_UNITS, &image_units);
     ctx->gl.getIntegerv(HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS, &uniform_bindings);
     if (texture_units > HBIL_GL_MAX_UNITS) texture_units = HBIL_GL_MAX_UNITS;
     if (image_units > HBIL_GL_MAX_UNITS) image_units = HBIL_GL_MAX_UNITS;
@@ -393,9 +500,10 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
             const hbil_binding *b = &plan->passes[i].bindings[k];
             int write = b->access == HBIL_ACCESS_WRITE, units = write ? image_units : texture_units;
             if (b->slot >= units)
-                return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s uses %s unit %u, %d can be used here: ask for fewer outputs",
-                                     plan->passes[i].name, write ? "image" : "texture", (unsigned)b->slot, units);
-            *(write ? &ctx->image_units : &ctx->texture_units[0]) |= 1u << b->slot;
+                return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s uses %s %u, %d can be used here: ask for fewer outputs",
+                                     plan->passes[i].name, write ? (ctx->draws ? "target" : "image unit") : "texture unit", (unsigned)b->slot, units);
+            if (write && !ctx->draws) ctx->image_units |= 1u << b->slot;
+            if (!write) ctx->texture_units[0] |= 1u << b->slot;
             if (!write) ctx->texture_units[plan->textures[b->texture].dim] |= 1u << b->slot;
         }
     if (plan->constants_slot >= (uint32_t)uniform_bindings)
@@ -404,32 +512,80 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
     return HBIL_GL_OK;
 }
 
+/* What the text calls a binding: see hbil_role. */
+static const char *hbil_gl__uniform_name(char name[40], const hbil_plan *plan, const hbil_binding *b)
+{
+    const char *head = b->role == HBIL_ROLE_LAST ? "u_last_" : b->role == HBIL_ROLE_FROM ? "u_from" : "u_";
+    strcpy(name, head);
+    return b->role == HBIL_ROLE_FROM ? name : strcat(name, plan->textures[b->texture].name);
+}
+
+/* Units and block by their names, which shaders before GL 4.2 cannot say themselves. */
+static void hbil_gl__name_units(hbil_gl *ctx, uint32_t index)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_pass *pass = &ctx->plan.passes[index];
+    unsigned program = ctx->program[index];
+    char name[40];
+    uint32_t i;
+    int old = 0;
+    gl->getIntegerv(HBIL_GL__CURRENT_PROGRAM, &old);
+    gl->useProgram(program);
+    for (i = 0; i < pass->binding_count; ++i)
+        if (pass->bindings[i].access == HBIL_ACCESS_SAMPLE)
+            gl->uniform1i(gl->getUniformLocation(program, hbil_gl__uniform_name(name, &ctx->plan, &pass->bindings[i])),
+                          pass->bindings[i].slot);
+    if (pass->constants) gl->uniformBlockBinding(program, gl->getUniformBlockIndex(program, "HbilFrame"), ctx->plan.constants_slot);
+    gl->useProgram(gl->isProgram((unsigned)old) ? (unsigned)old : 0);
+}
+
 /* The driver's log goes straight behind the pass name in message[], cut to what fits: the first error comes first. */
+static hbil_gl_result hbil_gl__add_shader(hbil_gl *ctx, uint32_t pass, unsigned kind, const char *text)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    unsigned shader = gl->createShader(kind);
+    int compiled = 0;
+    size_t used;
+    gl->shaderSource(shader, 1, &text, NULL);
+    gl->compileShader(shader);
+    gl->getShaderiv(shader, HBIL_GL__COMPILE_STATUS, &compiled);
+    if (compiled) gl->attachShader(ctx->program[pass], shader);
+    else {
+        hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not compile: ", ctx->plan.passes[pass].name);
+        used = strlen(ctx->message);
+        gl->getShaderInfoLog(shader, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+    }
+    gl->deleteShader(shader); /* lives on inside the program */
+    return compiled ? HBIL_GL_OK : HBIL_GL_E_COMPILE;
+}
+
 static hbil_gl_result hbil_gl__compile(hbil_gl *ctx, uint32_t pass, const char *text)
 {
     const hbil_gl_functions *gl = &ctx->gl;
     const char *name = ctx->plan.passes[pass].name;
-    unsigned shader = gl->createShader(HBIL_GL__COMPUTE_SHADER), program = gl->createProgram();
-    int compiled = 0, linked = 0;
+    unsigned program = gl->createProgram();
+    hbil_gl_result result;
+    int linked = 0;
+    size_t used;
     ctx->program[pass] = program;
-    gl->shaderSource(shader, 1, &text, NULL);
-    gl->compileShader(shader);
-    gl->getShaderiv(shader, HBIL_GL__COMPILE_STATUS, &compiled);
-    if (compiled) {
-        gl->attachShader(program, shader);
-        gl->linkProgram(program);
-        gl->getProgramiv(program, HBIL_GL__LINK_STATUS, &linked);
+    result = hbil_gl__add_shader(ctx, pass, ctx->draws ? HBIL_GL__FRAGMENT_SHADER : HBIL_GL__COMPUTE_SHADER, text);
+    if (result == HBIL_GL_OK && ctx->draws) {
+        char vertex[512];
+        if (hbil_emit_vertex(&ctx->plan, vertex, sizeof vertex, NULL) != HBIL_OK)
+            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "hbil_emit_vertex fails: build the plan with hbil_plan_build");
+        result = hbil_gl__add_shader(ctx, pass, HBIL_GL__VERTEX_SHADER, vertex);
     }
+    if (result != HBIL_GL_OK) return result;
+    gl->linkProgram(program);
+    gl->getProgramiv(program, HBIL_GL__LINK_STATUS, &linked);
     if (!linked) {
-        size_t used;
-        hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not %s: ", name, compiled ? "link" : "compile");
+        hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not link: ", name);
         used = strlen(ctx->message);
-        if (compiled) gl->getProgramInfoLog(program, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
-        else gl->getShaderInfoLog(shader, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+        gl->getProgramInfoLog(program, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+        return HBIL_GL_E_COMPILE;
     }
-    gl->deleteShader(shader); /* lives on inside the program */
-    if (!linked) return HBIL_GL_E_COMPILE;
-    gl->objectLabel(HBIL_GL__PROGRAM, program, -1, name);
+    if (ctx->draws) hbil_gl__name_units(ctx, pass);
+    if (gl->objectLabel) gl->objectLabel(HBIL_GL__PROGRAM, program, -1, name);
     return HBIL_GL_OK;
 }
 
@@ -529,6 +685,14 @@ static hbil_gl_result hbil_gl__check_texture(hbil_gl *ctx, uint32_t index, unsig
         return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "%s %s: texture %u is not a %s (GL error 0x%04x): other kinds need a copy, "
                              "or an option that asks for them", role, t->name, name, hbil_gl__targets[t->dim].name,
                              gl->getError());
+    if (t->life == HBIL_LIFE_OUTPUT && ctx->es && !ctx->draws) { /* ES stores into such only, and says nothing */
+        int fixed = 0;
+        gl->getTexParameteriv(hbil_gl__targets[t->dim].target, HBIL_GL__TEXTURE_IMMUTABLE_FORMAT, &fixed);
+        if (!fixed)
+            return hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "output %s: OpenGL ES stores only into textures made by glTexStorage; %u "
+                                 "was not", t->name, name);
+    }
+    if (!gl->getTexLevelParameteriv) return HBIL_GL_OK; /* ES 3.0: no way to ask */
     gl->getTexLevelParameteriv(hbil_gl__targets[t->dim].level, 0, HBIL_GL__TEXTURE_INTERNAL_FORMAT, &format);
     gl->getTexLevelParameteriv(hbil_gl__targets[t->dim].level, 0, HBIL_GL__TEXTURE_RED_TYPE, &type);
     result = hbil_gl__check_shape(ctx, index, name, hbil_gl__filtered(t) ? any : extent);
@@ -543,28 +707,87 @@ static hbil_gl_result hbil_gl__check_texture(hbil_gl *ctx, uint32_t index, unsig
     return HBIL_GL_OK;
 }
 
+/* Store of the texture that is bound. glTexStorage is newer than stage=fragment asks for. */
+static void hbil_gl__allocate(const hbil_gl *ctx, const hbil_texture *t, int width, int height)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    unsigned target = hbil_gl__targets[t->dim].target, format = hbil_gl_format((hbil_format)t->format);
+    int integer = t->format == HBIL_FORMAT_R32UI, one = integer || t->format == HBIL_FORMAT_R32F;
+    unsigned channels = integer ? HBIL_GL__RED_INTEGER : one ? HBIL_GL__RED : HBIL_GL__RGBA;
+    unsigned type = integer ? HBIL_GL__UNSIGNED_INT : HBIL_GL__FLOAT;
+    int array = t->dim == HBIL_DIM_2D_ARRAY;
+    if (array && ctx->draws) gl->texImage3D(target, 0, (int)format, width, height, t->layers, 0, channels, type, NULL);
+    else if (array) gl->texStorage3D(target, t->mips, format, width, height, t->layers);
+    else if (ctx->draws) gl->texImage2D(target, 0, (int)format, width, height, 0, channels, type, NULL);
+    else gl->texStorage2D(target, t->mips, format, width, height);
+}
+
 /* All copies of one texture of ours. A failed allocation shows in the size, which needs no glGetError on success. */
 static hbil_gl_result hbil_gl__make_texture(hbil_gl *ctx, uint32_t index, const uint32_t extent[2])
 {
     const hbil_gl_functions *gl = &ctx->gl;
     const hbil_texture *t = &ctx->plan.textures[index];
-    unsigned target = hbil_gl__targets[t->dim].target, format = hbil_gl_format((hbil_format)t->format);
+    unsigned target = hbil_gl__targets[t->dim].target;
     uint32_t copy;
     gl->genTextures(t->copies, ctx->texture[index]);
     for (copy = 0; copy < t->copies; ++copy) {
         unsigned name = ctx->texture[index][copy];
-        int width = 0;
+        int width = (int)extent[0];
         gl->bindTexture(target, name);
-        if (t->dim == HBIL_DIM_2D_ARRAY) gl->texStorage3D(target, t->mips, format, (int)extent[0], (int)extent[1], t->layers);
-        else gl->texStorage2D(target, t->mips, format, (int)extent[0], (int)extent[1]);
-        gl->getTexLevelParameteriv(target, 0, HBIL_GL__TEXTURE_WIDTH, &width);
+        hbil_gl__allocate(ctx, t, (int)extent[0], (int)extent[1]);
+        if (gl->getTexLevelParameteriv) gl->getTexLevelParameteriv(target, 0, HBIL_GL__TEXTURE_WIDTH, &width);
         if ((uint32_t)width != extent[0])
             return hbil_gl__fail(ctx, HBIL_GL_E_MEMORY, "texture %s, %s, %u x %u, cannot be made (GL error 0x%04x): free video "
                                  "memory or render at a smaller size", t->name, hbil_format_name((hbil_format)t->format),
                                  (unsigned)extent[0], (unsigned)extent[1], gl->getError());
-        gl->objectLabel(HBIL_GL__TEXTURE, name, -1, t->name);
+        if (gl->objectLabel) gl->objectLabel(HBIL_GL__TEXTURE, name, -1, t->name);
     }
     return HBIL_GL_OK;
+}
+
+/* Binds the framebuffer of a pass and attaches what it draws in this frame, a layer a target. */
+static void hbil_gl__attach(const hbil_gl *ctx, uint32_t index, uint32_t frame)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    const hbil_pass *pass = &ctx->plan.passes[index];
+    unsigned buffers[HBIL_GL__TARGETS] = { 0 };
+    uint32_t i, layer;
+    int count = 0;
+    gl->bindFramebuffer(HBIL_GL__DRAW_FRAMEBUFFER, ctx->framebuffer[index]);
+    for (i = 0; i < pass->binding_count; ++i) {
+        const hbil_binding *b = &pass->bindings[i];
+        const hbil_texture *t = &ctx->plan.textures[b->texture];
+        unsigned name = ctx->texture[b->texture][(frame % t->copies + t->copies - b->age) % t->copies];
+        if (b->access != HBIL_ACCESS_WRITE) continue;
+        for (layer = 0; layer < t->layers; ++layer, ++count) {
+            buffers[count] = HBIL_GL__COLOR_ATTACHMENT0 + (unsigned)count;
+            if (t->dim == HBIL_DIM_2D_ARRAY)
+                gl->framebufferTextureLayer(HBIL_GL__DRAW_FRAMEBUFFER, buffers[count], name, b->mip, (int)layer);
+            else
+                gl->framebufferTexture2D(HBIL_GL__DRAW_FRAMEBUFFER, buffers[count], HBIL_GL__TEXTURE_2D, name, b->mip);
+        }
+    }
+    gl->drawBuffers(count, buffers);
+}
+
+/* Can the driver draw into all of it? ES 3.0 promises no float targets. */
+static hbil_gl_result hbil_gl__check_targets(hbil_gl *ctx)
+{
+    hbil_gl_result result = HBIL_GL_OK;
+    uint32_t pass;
+    int old = 0;
+    ctx->gl.getIntegerv(HBIL_GL__DRAW_FRAMEBUFFER_BINDING, &old);
+    for (pass = 0; pass < ctx->plan.pass_count && result == HBIL_GL_OK; ++pass) {
+        unsigned status;
+        hbil_gl__attach(ctx, pass, 0);
+        status = ctx->gl.checkFramebufferStatus(HBIL_GL__DRAW_FRAMEBUFFER);
+        if (status != HBIL_GL__FRAMEBUFFER_COMPLETE)
+            result = hbil_gl__fail(ctx, HBIL_GL_E_TEXTURE, "the driver cannot draw what pass %s writes (framebuffer status 0x%04x): %s",
+                                   ctx->plan.passes[pass].name, status, ctx->es ? "OpenGL ES 3 needs EXT_color_buffer_float for it"
+                                   : "outputs have to be of the format that hbil_gl_format names");
+    }
+    ctx->gl.bindFramebuffer(HBIL_GL__DRAW_FRAMEBUFFER, (unsigned)old);
+    return result;
 }
 
 static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32_t height, const unsigned *textures)
@@ -572,16 +795,23 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
     int keep = width == ctx->width && height == ctx->height;
     hbil_gl_result result = HBIL_GL_OK;
     uint32_t i, extent[2];
+    int unpack = 0;
+    if (ctx->draws) { /* with one bound, glTexImage would read from it */
+        ctx->gl.getIntegerv(HBIL_GL__PIXEL_UNPACK_BUFFER_BINDING, &unpack);
+        ctx->gl.bindBuffer(HBIL_GL__PIXEL_UNPACK_BUFFER, 0);
+    }
     if (!keep) hbil_gl__delete_textures(ctx);
     for (i = 0; i < ctx->plan.texture_count && result == HBIL_GL_OK; ++i) {
         int ours = ctx->plan.textures[i].life >= HBIL_LIFE_TRANSIENT;
         if (ours && keep) continue;
         if (hbil_plan_extent(&ctx->plan, (int32_t)i, width, height, extent) != HBIL_OK)
-            return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "render size %u x %u: each has to be in [1, 16384]", (unsigned)width,
-                                 (unsigned)height);
-        if (ours) result = hbil_gl__make_texture(ctx, i, extent);
+            result = hbil_gl__fail(ctx, HBIL_GL_E_ARG, "render size %u x %u: each has to be in [1, 16384]", (unsigned)width,
+                                   (unsigned)height);
+        else if (ours) result = hbil_gl__make_texture(ctx, i, extent);
         else result = hbil_gl__check_texture(ctx, i, ctx->texture[i][0] = textures[i], extent);
     }
+    if (ctx->draws) ctx->gl.bindBuffer(HBIL_GL__PIXEL_UNPACK_BUFFER, (unsigned)unpack);
+    if (result == HBIL_GL_OK && ctx->draws) result = hbil_gl__check_targets(ctx);
     if (result == HBIL_GL_OK) {
         ctx->width = width;
         ctx->height = height;
@@ -592,6 +822,59 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
 }
 
 /* ------------------------------------------------------------------------------------------------------------- run */
+
+/* Blending and masks: of each target on desktop GL, of all at once before ES 3.2. */
+static void hbil_gl__save_draw(const hbil_gl *ctx, hbil_gl__state *s)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    gl->getIntegerv(HBIL_GL__DRAW_FRAMEBUFFER_BINDING, &s->framebuffer);
+    gl->getIntegerv(HBIL_GL__VERTEX_ARRAY_BINDING, &s->vertex_array);
+    gl->getIntegerv(HBIL_GL__VIEWPORT, s->viewport);
+    if (!ctx->es) gl->getIntegerv(HBIL_GL__POLYGON_MODE, s->polygon_mode);
+    for (i = 0; i < count; ++i) s->enabled[i] = gl->isEnabled(hbil_gl__capabilities[i]);
+    if (ctx->es) {
+        s->blend[0] = gl->isEnabled(HBIL_GL__BLEND);
+        gl->getBooleanv(HBIL_GL__COLOR_WRITEMASK, s->mask[0]);
+        return;
+    }
+    for (i = 0; i < HBIL_GL__TARGETS; ++i) {
+        s->blend[i] = gl->isEnabledi(HBIL_GL__BLEND, i);
+        gl->getBooleani_v(HBIL_GL__COLOR_WRITEMASK, i, s->mask[i]);
+    }
+}
+
+static void hbil_gl__begin_draw(const hbil_gl *ctx)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    gl->bindVertexArray(ctx->vertex_array);
+    if (!ctx->es) gl->polygonMode(HBIL_GL__FRONT_AND_BACK, HBIL_GL__FILL);
+    for (i = 0; i < count; ++i) gl->disable(hbil_gl__capabilities[i]);
+    gl->disable(HBIL_GL__BLEND);
+    gl->colorMask(1, 1, 1, 1);
+}
+
+static void hbil_gl__restore_draw(const hbil_gl *ctx, const hbil_gl__state *s)
+{
+    const hbil_gl_functions *gl = &ctx->gl;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    gl->bindFramebuffer(HBIL_GL__DRAW_FRAMEBUFFER, (unsigned)s->framebuffer);
+    gl->bindVertexArray((unsigned)s->vertex_array);
+    gl->viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
+    if (!ctx->es) gl->polygonMode(HBIL_GL__FRONT_AND_BACK, (unsigned)s->polygon_mode[0]);
+    for (i = 0; i < count; ++i)
+        if (s->enabled[i]) gl->enable(hbil_gl__capabilities[i]);
+    if (ctx->es) {
+        if (s->blend[0]) gl->enable(HBIL_GL__BLEND);
+        gl->colorMask(s->mask[0][0], s->mask[0][1], s->mask[0][2], s->mask[0][3]);
+        return;
+    }
+    for (i = 0; i < HBIL_GL__TARGETS; ++i) {
+        if (s->blend[i]) gl->enablei(HBIL_GL__BLEND, i);
+        gl->colorMaski(i, s->mask[i][0], s->mask[i][1], s->mask[i][2], s->mask[i][3]);
+    }
+}
 
 static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
 {
@@ -616,11 +899,12 @@ static void hbil_gl__save(const hbil_gl *ctx, hbil_gl__state *s)
             gl->getIntegeri_v(HBIL_GL__IMAGE_BINDING_FORMAT, unit, &s->image[unit].format);
         }
     }
-    s->seamless = !ctx->texture_units[HBIL_DIM_CUBE] || gl->isEnabled(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS);
+    s->seamless = !ctx->texture_units[HBIL_DIM_CUBE] || ctx->es || gl->isEnabled(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS);
     gl->getIntegerv(HBIL_GL__UNIFORM_BUFFER_BINDING, &s->uniform_generic);
     gl->getIntegeri_v(HBIL_GL__UNIFORM_BUFFER_BINDING, slot, &s->uniform_buffer);
     gl->getInteger64i_v(HBIL_GL__UNIFORM_BUFFER_START, slot, &s->uniform_start);
     gl->getInteger64i_v(HBIL_GL__UNIFORM_BUFFER_SIZE, slot, &s->uniform_size);
+    if (ctx->draws) hbil_gl__save_draw(ctx, s);
 }
 
 static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
@@ -649,6 +933,7 @@ static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
         gl->bindBufferBase(HBIL_GL__UNIFORM_BUFFER, slot, (unsigned)s->uniform_buffer);
     gl->bindBuffer(HBIL_GL__UNIFORM_BUFFER, (unsigned)s->uniform_generic);
     gl->useProgram(gl->isProgram((unsigned)s->program) ? (unsigned)s->program : 0);
+    if (ctx->draws) hbil_gl__restore_draw(ctx, s);
 }
 
 static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t frame)
@@ -657,7 +942,7 @@ static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t fr
     const hbil_texture *t = &ctx->plan.textures[b->texture];
     unsigned name = ctx->texture[b->texture][(frame % t->copies + t->copies - b->age) % t->copies];
     if (b->access == HBIL_ACCESS_WRITE) {
-        gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0,
+        if (!ctx->draws) gl->bindImageTexture(b->slot, name, b->mip, t->dim == HBIL_DIM_2D_ARRAY, 0,
                              b->role == HBIL_ROLE_UPDATE ? HBIL_GL__READ_WRITE : HBIL_GL__WRITE_ONLY, hbil_gl_format((hbil_format)t->format));
     } else {
         gl->activeTexture(HBIL_GL__TEXTURE0 + (unsigned)b->slot);
@@ -674,12 +959,18 @@ static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame
     const hbil_pass *pass = &ctx->plan.passes[index];
     unsigned bits = 0;
     uint32_t i;
+    for (i = 0; i < pass->binding_count; ++i) hbil_gl__bind(ctx, &pass->bindings[i], frame);
+    gl->useProgram(ctx->program[index]);
+    if (ctx->draws) { /* GL itself keeps draws and what they sample in order */
+        hbil_gl__attach(ctx, index, frame);
+        gl->viewport(0, 0, (int)grid->groups[0], (int)grid->groups[1]);
+        gl->drawArrays(HBIL_GL__TRIANGLES, 0, 3);
+        return;
+    }
     for (i = 0; i < pass->barrier_count; ++i)
         bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
                                                              : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
     if (bits) gl->memoryBarrier(bits);
-    for (i = 0; i < pass->binding_count; ++i) hbil_gl__bind(ctx, &pass->bindings[i], frame);
-    gl->useProgram(ctx->program[index]);
     gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
 }
 
@@ -726,6 +1017,13 @@ hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_init: plan, get_proc and scratch have to be given");
     ctx->plan = *info->plan;
     ctx->timings = info->timings;
+    ctx->es = ctx->plan.config.target == HBIL_TARGET_GLES;
+    ctx->draws = ctx->plan.config.stage == HBIL_STAGE_FRAGMENT;
+    if (ctx->plan.config.target != HBIL_TARGET_GL && !ctx->es)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the plan was built for another target: set target=gl or gles in the config before "
+                             "hbil_plan_build");
+    if (ctx->es && ctx->timings)
+        return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "timings: OpenGL ES has no GL_TIMESTAMP; measure around hbil_gl_run, with glFinish");
     result = hbil_gl__load(ctx, info);
     if (result != HBIL_GL_OK) {
         memset(&ctx->gl, 0, sizeof ctx->gl); /* what shutdown goes by */
@@ -742,6 +1040,10 @@ hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
     }
     ctx->gl.genBuffers(1, &ctx->buffer);
     ctx->gl.genSamplers(2, ctx->samplers);
+    if (ctx->draws) {
+        ctx->gl.genVertexArrays(1, &ctx->vertex_array);
+        ctx->gl.genFramebuffers((int)ctx->plan.pass_count, ctx->framebuffer);
+    }
     for (i = 0; i < 2; ++i) {
         ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MIN_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
         ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MAG_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
@@ -806,6 +1108,7 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
         /* a new data store each frame: last frame's may still be in use, and nobody has to wait for it */
         ctx->gl.bufferData(HBIL_GL__UNIFORM_BUFFER, (ptrdiff_t)ctx->plan.constants_size, block, HBIL_GL__STREAM_DRAW);
     }
+    if (ctx->draws) hbil_gl__begin_draw(ctx);
     for (pass = 0; pass < ctx->plan.pass_count; ++pass) {
         int64_t start = ctx->timings ? hbil_gl__time(ctx) : 0;
         hbil_gl__dispatch(ctx, pass, ctx->frames, &grid[pass]);
@@ -833,6 +1136,10 @@ void hbil_gl_shutdown(hbil_gl *ctx)
     if (ctx->gl.deleteProgram) {
         hbil_gl__delete_textures(ctx);
         for (pass = 0; pass < ctx->plan.pass_count; ++pass) ctx->gl.deleteProgram(ctx->program[pass]);
+        if (ctx->draws) {
+            ctx->gl.deleteFramebuffers((int)ctx->plan.pass_count, ctx->framebuffer);
+            ctx->gl.deleteVertexArrays(1, &ctx->vertex_array);
+        }
         ctx->gl.deleteSamplers(2, ctx->samplers);
         ctx->gl.deleteBuffers(1, &ctx->buffer);
     }

@@ -135,16 +135,31 @@ static void hbil_null__check_pass(hbil_null__walk *w, int pass)
     }
 }
 
+/* What a fragment shader draws: as large as the pass, in targets of its own. */
+static void hbil_null__check_target(hbil_null__walk *w, int pass, const hbil_binding *x, uint32_t targets)
+{
+    const hbil_plan *p = w->plan;
+    const hbil_pass *a = &p->passes[pass];
+    const hbil_binding *y;
+    if (p->textures[x->texture].div != p->textures[a->domain].div) hbil_null__fault(w, pass, x->texture, "target of another size than the domain");
+    if (x->role == HBIL_ROLE_UPDATE) hbil_null__fault(w, pass, x->texture, "drawn and read by one pass");
+    if ((uint32_t)x->slot + p->textures[x->texture].layers > targets) hbil_null__fault(w, pass, x->texture, "more targets than every device has");
+    for (y = a->bindings; y < x; ++y)
+        if (y->access == HBIL_ACCESS_WRITE && x->slot < y->slot + p->textures[y->texture].layers && y->slot < x->slot + p->textures[x->texture].layers)
+            hbil_null__fault(w, pass, x->texture, "target used twice");
+}
+
 static void hbil_null__check_slots(hbil_null__walk *w, int pass)
 {
     const hbil_plan *p = w->plan;
     const hbil_pass *a = &p->passes[pass];
-    int gl = p->config.target == HBIL_TARGET_GL;
-    uint32_t i, j;
+    int gl = p->config.target != HBIL_TARGET_VULKAN, draws = p->config.stage == HBIL_STAGE_FRAGMENT;
+    uint32_t i, j, targets = p->config.target == HBIL_TARGET_GLES ? 4 : 8; /* that every device has */
     for (i = 0; i < a->binding_count; ++i) {
         const hbil_binding *x = &a->bindings[i];
         if (!gl && a->constants && x->slot == p->constants_slot) hbil_null__fault(w, pass, x->texture, "slot of the uniform block");
         if (gl && x->slot >= (x->access == HBIL_ACCESS_WRITE ? 8 : 16)) hbil_null__fault(w, pass, x->texture, "more units than GL 4.3 promises");
+        if (draws && x->access == HBIL_ACCESS_WRITE) hbil_null__check_target(w, pass, x, targets);
         if (x->role < HBIL_ROLE_SAMPLE || x->role >= HBIL_ROLE_COUNT) hbil_null__fault(w, pass, x->texture, "role is no hbil_role");
         if (x->role == HBIL_ROLE_UPDATE && x->access != HBIL_ACCESS_WRITE) hbil_null__fault(w, pass, x->texture, "update, but not written");
         if ((x->role == HBIL_ROLE_LAST) != (x->age > 0)) hbil_null__fault(w, pass, x->texture, "last frame's, but its age is not 1");

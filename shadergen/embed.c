@@ -380,6 +380,12 @@ static const char *layers_rule(const char *rule)
     return strcmp(rule, "SIDES") == 0 ? "HBIL__LAYERS_SIDES" : "HBIL__LAYERS_SIGNAL";
 }
 
+/* Texels of the grid to one of a texture; 0: it has the frame's size. */
+static const char *size_rule(const char *rule)
+{
+    return strcmp(rule, "DRAWN") == 0 ? "HBIL__DRAWN" : strcmp(rule, "GRID_8") == 0 ? "8" : strcmp(rule, "GRID") == 0 ? "1" : "0";
+}
+
 static void gen_passes(text *t)
 {
     static const struct { const char *kind, *head; } tables[] = {
@@ -395,8 +401,8 @@ static void gen_passes(text *t)
             const fact *f = &facts[i];
             if (strcmp(f->kind, tables[k].kind)) continue;
             if (k == 0) put(t, "    { \"%s\", %s },\n", f->b, f->c);
-            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, %s, %d, \"%s\",\n      \"%s\" },\n", f->a, f->b,
-                            f->c, f->d, isdigit((unsigned char)*f->g) ? f->g : layers_rule(f->g), strcmp(f->h, "GRID_8") ? !strcmp(f->h, "GRID") : 8, f->e, f->f);
+            if (k == 1) put(t, "    { \"%s\", HBIL_LIFE_%s, HBIL_FORMAT_%s, HBIL_DIM_%s, %s, %s, \"%s\",\n      \"%s\" },\n", f->a, f->b,
+                            f->c, f->d, isdigit((unsigned char)*f->g) ? f->g : layers_rule(f->g), size_rule(f->h), f->e, f->f);
             if (k == 2) put(t, "    { \"%s\", \"%s\", HBIL_GRID_%s, %d, { %s, %s },\n      \"%s\" },\n", f->a, f->b, f->g,
                             fact_index("TEXTURE", f->c), f->d, f->e, f->f);
             if (k == 3) put(t, "    { %d, %d, HBIL_ROLE_%s, \"%s\" }, /* %s %s */\n", fact_index("PASS", f->a),
@@ -414,7 +420,7 @@ static chunk chunks[256];
 static int   chunk_count;
 
 /* Chunks that any pass may use; then one file per pass, in plan order. */
-static const char *const shared_files[] = { "common", "environment", "lines", "levels", "slice", "horizon", "bitmask", "hbao", "grid", "signal", "last" };
+static const char *const shared_files[] = { "triangle", "common", "environment", "lines", "levels", "slice", "horizon", "bitmask", "hbao", "grid", "signal", "last" };
 
 static int is_shared(const char *file)
 {

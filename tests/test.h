@@ -14,6 +14,14 @@
 
 #include "../hbil.h"
 
+/* A shader's text behind its header comment, which names the config. */
+static inline const char *test_body(const char *text)
+{
+    const char *body = strstr(text, "\n\n");
+    assert_non_null(body);
+    return body;
+}
+
 /* A frame that fits a resolved config: 90 degree camera, near 0.1 m, far 100 m, in the conventions asked for. */
 static inline hbil_frame test_frame(const hbil_config *c, uint32_t width, uint32_t height)
 {

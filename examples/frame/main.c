@@ -112,13 +112,14 @@ static void print_help(void)
           "Lights one frame by a config of hbil.h, and reports times and errors.\n\n"
           "  --frame F.exr     layers depth.Z normal.XYZ albedo.RGB direct.RGB; optional emission.RGB, f0.Y or f0.RGB,\n"
           "                    roughness.Y, truth_ao.Y truth_near.RGB truth_far.RGB. With frame-X.exr the height-field truth is\n"
-          "                    read, too, if hf-X.exr lies beside it\n"
+          "                    read, too, if hf-X.exr lies beside it. Or a multilayer EXR of Blender with the passes Z, Normal,\n"
+          "                    Diffuse Color and Direct; optional Emission, Vector: see examples/blender\n"
           "  --camera C.json   width, height, near, far, projection_rows (OpenGL clip), view_rows\n"
           "  --scene NAME      a built-in scene instead of a file: ", stdout);
     for (i = 0; capture_scene_name(i); i++) printf("%s%s", i ? ", " : "", capture_scene_name(i));
     fputs("\n  --size WxH        its size in pixels, default 640x360\n"
           "  --rays N          its rays per pixel for the truth, default 64; 0: no truth\n"
-          "  --backend B       vulkan (default) or gl\n"
+          "  --backend B       vulkan (default), gl or gles; with --set stage=fragment gl and gles draw instead of computing\n"
           "  --preset P        where the config begins; default: every option at its default\n"
           "  --set A=B,C=D+E   options of the config; may be repeated. projection and target are taken from frame and backend\n"
           "  --env E           the light behind what is visible, world space; sets environment, and sh_order if --set does not:\n"
@@ -333,8 +334,8 @@ static int check_arguments(session *s)
     if (a->out && a->report && strcmp(a->out, a->report) == 0)
         return frame_error(s->error, sizeof s->error, "--out and --report name the same file %s", a->out);
     if (!a->backend) a->backend = "vulkan";
-    if (strcmp(a->backend, "vulkan") != 0 && strcmp(a->backend, "gl") != 0)
-        return frame_error(s->error, sizeof s->error, "--backend %s: must be vulkan or gl", a->backend);
+    if (!runner_target(a->backend))
+        return frame_error(s->error, sizeof s->error, "--backend %s: must be vulkan, gl or gles", a->backend);
     if (!a->width) a->width = 640, a->height = 360;
     if (a->rays < 0) a->rays = 64;
     return 1;
@@ -460,17 +461,10 @@ static int make_config(session *s)
     hbil_diag   items[DIAGS_MAX];
     hbil_diags  diags = {items, DIAGS_MAX, 0};
     hbil_config resolved;
-    const int   target = strcmp(s->args.backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
+    const int   target = runner_target(s->args.backend);
     int         i, ok = !s->args.preset || hbil_config_preset(s->args.preset, &s->config, &diags) == HBIL_OK;
 
     for (i = 0; i < s->args.set_count; i++) ok &= apply_set(s, s->args.sets[i], &diags);
-    if (ok && !apply_environment(s)) return fail(s, REFUSED);
-    if (ok) ok = hbil_config_resolve(&s->config, &resolved, &diags) == HBIL_OK;
-    if (!ok) {
-        print_diags(s, &diags);
-        return REFUSED;
-    }
-    if (!check_environment(s, &resolved)) return fail(s, REFUSED);
     if (s->config.target != 0 && s->config.target != target) {
         frame_error(s->error, sizeof s->error,
                     "option target: does not match --backend %s. Leave target out, or choose the other backend",
@@ -478,7 +472,13 @@ static int make_config(session *s)
         return fail(s, REFUSED);
     }
     s->config.target = target;
-    return DONE;
+    if (ok && !apply_environment(s)) return fail(s, REFUSED);
+    if (ok) ok = hbil_config_resolve(&s->config, &resolved, &diags) == HBIL_OK;
+    if (!ok) {
+        print_diags(s, &diags);
+        return REFUSED;
+    }
+    return check_environment(s, &resolved) ? DONE : fail(s, REFUSED);
 }
 
 /* Whether the text has the function is known before a driver sees it. */

@@ -12,11 +12,18 @@ struct runner {
     char             *hook, *pass, *text; /* copies of the caller's */
 };
 
+int32_t runner_target(const char *backend)
+{
+    return strcmp(backend, "vulkan") == 0 ? HBIL_TARGET_VULKAN : strcmp(backend, "gl") == 0 ? HBIL_TARGET_GL
+         : strcmp(backend, "gles") == 0 ? HBIL_TARGET_GLES : 0;
+}
+
 runner *runner_open(const char *backend, int validate, char *error, size_t error_size)
 {
-    const runner_ops *ops = strcmp(backend, "vulkan") == 0 ? &runner_vulkan : strcmp(backend, "gl") == 0 ? &runner_gl : NULL;
+    static const runner_ops *const all[] = { NULL, &runner_vulkan, &runner_gl, &runner_gles }; /* by hbil_target */
+    const runner_ops *ops = all[runner_target(backend)];
     if (ops == NULL) {
-        snprintf(error, error_size, "no backend '%s': use vulkan or gl", backend);
+        snprintf(error, error_size, "no backend '%s': use vulkan, gl or gles", backend);
         return NULL;
     }
     runner *r = (runner *)calloc(1, sizeof *r);

@@ -11,13 +11,16 @@ typedef struct runner runner;
 #define RUNNER_SAMPLES 4 /* of a multisampled input: what every device has */
 
 typedef struct runner_info {
-    char backend[16];       /* "vulkan", "gl" */
+    char backend[16];       /* "vulkan", "gl", "gles" */
     char device[128];       /* "llvmpipe (LLVM 15.0.6, 256 bits)" */
     char driver[128];       /* name and version */
     char timing[64];        /* how milliseconds are measured */
 } runner_info;
 
-/* backend: "vulkan" or "gl". validate != 0: Khronos validation layer (Vulkan, with synchronisation checks) or KHR_debug (GL);
+/* hbil_target of a backend's name, "vulkan", "gl" or "gles"; 0: there is none. */
+int32_t            runner_target(const char *backend);
+
+/* backend: see runner_target. validate != 0: Khronos validation layer (Vulkan, with synchronisation checks) or KHR_debug (GL);
  * every message counts, see runner_messages. NULL: error[] says what is missing and how to get it. */
 runner            *runner_open(const char *backend, int validate, char *error, size_t error_size);
 void               runner_close(runner *r);

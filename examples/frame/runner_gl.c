@@ -1,7 +1,8 @@
-/* runner_gl.c - the OpenGL side of runner.h: makes a context without a window, uploads, runs hbil_gl.h, reads back.
+/* runner_gl.c - the OpenGL and OpenGL ES side of runner.h: makes a context without a window, uploads, runs hbil_gl.h, reads back.
  *
  * The context comes from EGL if that finds a GPU, else from OSMesa, else from EGL's software rasteriser; HBIL_GL=osmesa or
- * HBIL_GL=egl forces one. Both libraries are opened at run time, so a build needs neither. */
+ * HBIL_GL=egl forces one; ES comes from EGL only. Where there is no 4.3, one of 3.3 will do, for stage=fragment. Both libraries are
+ * opened at run time, so a build needs neither. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,6 +38,7 @@ typedef struct egl_functions {
 } egl_functions;
 
 #define GL_FUNCTIONS(X)                                    \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)           \
     X(PFNGLATTACHSHADERPROC, AttachShader)                 \
     X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)         \
     X(PFNGLBINDTEXTUREPROC, BindTexture)                   \
@@ -44,19 +46,23 @@ typedef struct egl_functions {
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)               \
     X(PFNGLCREATESHADERPROC, CreateShader)                 \
     X(PFNGLDEBUGMESSAGECALLBACKPROC, DebugMessageCallback) \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)     \
     X(PFNGLDELETEPROGRAMPROC, DeleteProgram)               \
     X(PFNGLDELETESHADERPROC, DeleteShader)                 \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)             \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)           \
     X(PFNGLENABLEPROC, Enable)                             \
+    X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D) \
+    X(PFNGLFRAMEBUFFERTEXTURELAYERPROC, FramebufferTextureLayer) \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)           \
     X(PFNGLGENTEXTURESPROC, GenTextures)                   \
     X(PFNGLGETERRORPROC, GetError)                         \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                 \
     X(PFNGLGETSTRINGPROC, GetString)                       \
-    X(PFNGLGETTEXIMAGEPROC, GetTexImage)                   \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                   \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)               \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                     \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                 \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)               \
     X(PFNGLTEXSTORAGE2DPROC, TexStorage2D)                 \
@@ -82,6 +88,7 @@ typedef struct gl_device {
     void            *osmesa_context;    /* this one or the next two */
     EGLDisplay       display;
     EGLContext       egl_context;
+    int              es;                /* OpenGL ES */
     unsigned char    pixel[4];          /* OSMesa draws here; nothing is drawn */
     gl_functions     gl;
     hbil_gl          backend;           /* zeroed while there is none */
@@ -116,8 +123,11 @@ static int osmesa_open(gl_device *d)
                                          "OSMesaDestroyContext" };
     static const int attributes[] = { OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
                                       OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 5, 0 };
+    static const int old[] = { OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
+                               OSMESA_CONTEXT_MAJOR_VERSION, 3, OSMESA_CONTEXT_MINOR_VERSION, 3, 0 };
     if (!load_library("libOSMesa.so.8", names, sizeof names / sizeof *names, &d->osmesa)) return 0;
     d->osmesa_context = d->osmesa.CreateContextAttribs(attributes, NULL);
+    if (!d->osmesa_context) d->osmesa_context = d->osmesa.CreateContextAttribs(old, NULL);
     if (!d->osmesa_context) return 0;
     if (d->osmesa.MakeCurrent(d->osmesa_context, d->pixel, GL_UNSIGNED_BYTE, 1, 1)) return 1;
     d->osmesa.DestroyContext(d->osmesa_context);
@@ -140,18 +150,24 @@ static int is_software(const char *renderer)
            strstr(renderer, "Software Rasterizer");
 }
 
+static EGLContext egl_context(gl_device *d, EGLDisplay display, EGLint major, EGLint minor, int validate)
+{
+    const EGLint attributes[] = { EGL_CONTEXT_MAJOR_VERSION, major, EGL_CONTEXT_MINOR_VERSION, minor,
+                                  EGL_CONTEXT_OPENGL_DEBUG, validate ? EGL_TRUE : EGL_FALSE,
+                                  d->es ? EGL_NONE : EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
+    return d->egl.CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+}
+
 /* A context without a surface on one display; any_renderer 0: only if a GPU draws it. */
 static int egl_try(gl_device *d, EGLDisplay display, int validate, int any_renderer)
 {
-    const EGLint attributes[] = { EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_CONTEXT_OPENGL_DEBUG, validate ? EGL_TRUE : EGL_FALSE,
-                                  EGL_NONE };
     PFNGLGETSTRINGPROC get_string;
     const char *renderer = NULL;
     if (display == EGL_NO_DISPLAY || !d->egl.Initialize(display, NULL, NULL)) return 0;
     d->display = display;
-    d->egl.BindAPI(EGL_OPENGL_API);
-    d->egl_context = d->egl.CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    d->egl.BindAPI(d->es ? EGL_OPENGL_ES_API : EGL_OPENGL_API);
+    d->egl_context = egl_context(d, display, d->es ? 3 : 4, d->es ? 1 : 3, validate);
+    if (d->egl_context == EGL_NO_CONTEXT) d->egl_context = egl_context(d, display, 3, d->es ? 0 : 3, validate);
     get_string = (PFNGLGETSTRINGPROC)d->egl.GetProcAddress("glGetString");
     if (d->egl_context != EGL_NO_CONTEXT && get_string &&
         d->egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, d->egl_context))
@@ -195,7 +211,8 @@ static int open_context(gl_device *d, int validate, char *error, size_t error_si
     int egl, osmesa;
     if (forced && !*forced) forced = NULL;
     egl = !forced || strcmp(forced, "egl") == 0;
-    osmesa = !forced || strcmp(forced, "osmesa") == 0;
+    osmesa = !d->es && (!forced || strcmp(forced, "osmesa") == 0);
+    if (d->es) egl = 1;
     if (!egl && !osmesa) {
         snprintf(error, error_size, "HBIL_GL=%s: osmesa or egl, or leave it unset", forced);
         return 0;
@@ -203,8 +220,8 @@ static int open_context(gl_device *d, int validate, char *error, size_t error_si
     if (egl && egl_open(d, validate, 0)) return 1;
     if (osmesa && osmesa_open(d)) return 1;
     if (egl && egl_open(d, validate, 1)) return 1;
-    snprintf(error, error_size, "no OpenGL 4.3 context%s%s: in Debian, install %s", forced ? " by HBIL_GL=" : "",
-             forced ? forced : "", !egl ? "libosmesa6" : !osmesa ? "libegl1 and libgl1-mesa-dri"
+    snprintf(error, error_size, "no OpenGL %s context%s%s: in Debian, install %s", d->es ? "ES 3.1" : "4.3",
+             forced && !d->es ? " by HBIL_GL=" : "", forced && !d->es ? forced : "", !egl ? "libosmesa6" : !osmesa ? "libegl1 and libgl1-mesa-dri"
              : "libosmesa6, or libegl1 and libgl1-mesa-dri, or the driver of your GPU");
     return 0;
 }
@@ -212,7 +229,8 @@ static int open_context(gl_device *d, int validate, char *error, size_t error_si
 static int make_current(gl_device *d)
 {
     if (d->osmesa_context) return d->osmesa.MakeCurrent(d->osmesa_context, d->pixel, GL_UNSIGNED_BYTE, 1, 1) != 0;
-    d->egl.BindAPI(EGL_OPENGL_API);
+    d->egl.BindAPI(d->es ? EGL_OPENGL_ES_API : EGL_OPENGL_API);
+    d->egl.MakeCurrent(d->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT); /* EGL does not see that OSMesa took over */
     return d->egl.MakeCurrent(d->display, EGL_NO_SURFACE, EGL_NO_SURFACE, d->egl_context) != 0;
 }
 
@@ -250,7 +268,7 @@ static int load_functions(gl_device *d, char *error, size_t error_size)
     size_t i;
     for (i = 0; i < sizeof table / sizeof *table; ++i) {
         void *address = runner_gl_proc(d, table[i].name);
-        if (!address) {
+        if (!address && strcmp(table[i].name, "glDebugMessageCallback")) {
             snprintf(error, error_size, "the GL driver has no %s: update it", table[i].name);
             return 0;
         }
@@ -274,13 +292,14 @@ static void gl_close(void *device)
 }
 
 /* The context stays current on this thread. */
-static void *gl_open(int validate, runner_info *about, char *error, size_t error_size)
+static void *open_device(int es, int validate, runner_info *about, char *error, size_t error_size)
 {
     gl_device *d = (gl_device *)calloc(1, sizeof *d);
     if (!d) {
         snprintf(error, error_size, "out of memory");
         return NULL;
     }
+    d->es = es;
     if (!open_context(d, validate, error, error_size)) {
         free(d);
         return NULL;
@@ -289,18 +308,29 @@ static void *gl_open(int validate, runner_info *about, char *error, size_t error
         gl_close(d);
         return NULL;
     }
-    if (validate) {
+    if (validate && d->gl.DebugMessageCallback) {
         d->gl.Enable(GL_DEBUG_OUTPUT);
         d->gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         d->gl.DebugMessageCallback(on_message, d);
     }
     memset(about, 0, sizeof *about);
-    snprintf(about->backend, sizeof about->backend, "gl");
+    snprintf(about->backend, sizeof about->backend, es ? "gles" : "gl");
     snprintf(about->device, sizeof about->device, "%s", (const char *)d->gl.GetString(GL_RENDERER));
     snprintf(about->driver, sizeof about->driver, "%s, %s", (const char *)d->gl.GetString(GL_VERSION),
              d->osmesa_context ? "OSMesa" : "EGL");
-    snprintf(about->timing, sizeof about->timing, "GL_TIMESTAMP after glFinish, around each pass");
+    snprintf(about->timing, sizeof about->timing, es ? "none: OpenGL ES has no GL_TIMESTAMP"
+                                                     : "GL_TIMESTAMP after glFinish, around each pass");
     return d;
+}
+
+static void *gl_open(int validate, runner_info *about, char *error, size_t error_size)
+{
+    return open_device(0, validate, about, error, error_size);
+}
+
+static void *gles_open(int validate, runner_info *about, char *error, size_t error_size)
+{
+    return open_device(1, validate, about, error, error_size);
 }
 
 static int gl_messages(const void *device)
@@ -415,14 +445,30 @@ static GLuint fill_samples(gl_device *d, uint32_t index, const image *in, int sa
     return ok ? to : 0;
 }
 
-/* The texture of an input with its content; 0: error[] says why. */
-static GLuint fill_input(gl_device *d, const hbil_plan *plan, uint32_t index, const image *in, char *error, size_t error_size)
+/* One channel or four, as the textures have them: ES does not pad. Absent: out of memory. */
+static image padded(const image *in)
+{
+    image out = { 0 };
+    size_t i, count = (size_t)in->width * (size_t)in->height * (size_t)image_slices(in);
+    int c;
+    if (image_make_slices(&out, in->width, in->height, image_slices(in), 4))
+        for (i = 0; i < count; ++i)
+            for (c = 0; c < 4; ++c) out.data[4 * i + (size_t)c] = c < in->channels ? in->data[i * (size_t)in->channels + (size_t)c] : c == 3;
+    return out;
+}
+
+static GLuint fill_texture(gl_device *d, const hbil_plan *plan, uint32_t index, const image *in, char *error, size_t error_size)
 {
     GLenum target = target_of(plan->textures[index].dim), pixels = pixel_format(in->channels);
     GLenum format = in->channels == 1 ? GL_R32F : GL_RGBA32F;
     size_t slice = (size_t)in->width * (size_t)in->height * (size_t)in->channels;
     int depth = target == GL_TEXTURE_3D ? image_slices(in) : 1, face;
     GLuint name;
+    if (target == GL_TEXTURE_2D_MULTISAMPLE && d->es) {
+        frame_error(error, error_size, "multisampled inputs: OpenGL ES stores no images of several samples. Set multisample=no, or "
+                    "use another backend");
+        return 0;
+    }
     if (target == GL_TEXTURE_2D_MULTISAMPLE) return fill_samples(d, index, in, (int)plan->config.sample, error, error_size);
     name = image_texture(d, index, target, in->width, in->height, depth, format);
     if (target == GL_TEXTURE_3D)
@@ -434,6 +480,19 @@ static GLuint fill_input(gl_device *d, const hbil_plan *plan, uint32_t index, co
     else
         d->gl.TexSubImage2D(target, 0, 0, 0, in->width, in->height, pixels, GL_FLOAT, in->data);
     return name;
+}
+
+/* The texture of an input with its content; 0: error[] says why. */
+static GLuint fill_input(gl_device *d, const hbil_plan *plan, uint32_t index, const image *in, char *error, size_t error_size)
+{
+    if (d->es && in->channels > 1 && in->channels < 4) {
+        image wide = padded(in);
+        GLuint made = wide.data ? fill_texture(d, plan, index, &wide, error, error_size) : 0;
+        if (!wide.data) frame_error(error, error_size, "out of memory");
+        image_free(&wide);
+        return made;
+    }
+    return fill_texture(d, plan, index, in, error, error_size);
 }
 
 /* Makes the textures of yours that the plan binds, fills the inputs, makes the output images. GL pads rgb to rgba itself. */
@@ -462,15 +521,33 @@ static int set_images(gl_device *d, const hbil_plan *plan, uint32_t width, uint3
     return 0;
 }
 
-static void read_outputs(gl_device *d, const hbil_plan *plan, image *outputs)
+/* ES reads back through framebuffers only, and four channels; so does GL, then. 0: out of memory. */
+static int read_outputs(gl_device *d, const hbil_plan *plan, image *outputs)
 {
+    GLuint framebuffer = 0;
+    int ok = 1;
     uint32_t i;
-    d->gl.MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT); /* image stores before glGetTexImage */
-    for (i = 0; i < plan->texture_count; ++i)
-        if (plan->textures[i].life == HBIL_LIFE_OUTPUT) {
-            d->gl.BindTexture(d->images[i].target, d->images[i].name);
-            d->gl.GetTexImage(d->images[i].target, 0, pixel_format(outputs[i].channels), GL_FLOAT, outputs[i].data);
+    d->gl.GenFramebuffers(1, &framebuffer);
+    d->gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+    if (plan->config.stage == HBIL_STAGE_COMPUTE) d->gl.MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT); /* image stores before reads */
+    for (i = 0; i < plan->texture_count && ok; ++i) {
+        image *out = &outputs[i], all = { 0 };
+        size_t k, layer, count = (size_t)out->width * (size_t)out->height, channels = (size_t)out->channels;
+        if (plan->textures[i].life != HBIL_LIFE_OUTPUT) continue;
+        ok = image_make(&all, out->width, out->height, 4);
+        for (layer = 0; layer < plan->textures[i].layers && ok; ++layer) {
+            if (plan->textures[i].dim == HBIL_DIM_2D_ARRAY)
+                d->gl.FramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, d->images[i].name, 0, (GLint)layer);
+            else
+                d->gl.FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, d->images[i].name, 0);
+            d->gl.ReadPixels(0, 0, out->width, out->height, GL_RGBA, GL_FLOAT, all.data);
+            for (k = 0; k < count; ++k) memcpy(out->data + (layer * count + k) * channels, all.data + 4 * k, channels * sizeof(float));
         }
+        image_free(&all);
+    }
+    d->gl.BindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+    d->gl.DeleteFramebuffers(1, &framebuffer);
+    return ok;
 }
 
 /* hbil_gl.h emits by itself, so the program is replaced once it is made. */
@@ -495,7 +572,7 @@ static int set_plan(gl_device *d, const hbil_plan *plan)
     info.scratch = d->scratch;
     info.scratch_size = sizeof d->scratch;
     info.hook = d->hook;
-    info.timings = 1;
+    info.timings = !d->es;
     return hbil_gl_init(&info, &d->backend) == HBIL_GL_OK && set_own_text(d, plan);
 }
 
@@ -535,9 +612,10 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
             snprintf(error, error_size, "%s", d->backend.message);
             return 0;
         }
-        if (ms) hbil_gl_timings(&d->backend, ms + (size_t)i * plan->pass_count);
+        if (ms && !d->es) hbil_gl_timings(&d->backend, ms + (size_t)i * plan->pass_count);
+        else if (ms) memset(ms + (size_t)i * plan->pass_count, 0, plan->pass_count * sizeof *ms);
     }
-    read_outputs(d, plan, outputs);
+    if (!read_outputs(d, plan, outputs)) return frame_error(error, error_size, "out of memory");
     code = d->gl.GetError();
     if (code != GL_NO_ERROR) {
         snprintf(error, error_size, "GL error 0x%04x: open the runner with validation to see the message", code);
@@ -547,3 +625,4 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
 }
 
 const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_set_text, gl_run };
+const runner_ops runner_gles = { gles_open, gl_close, gl_messages, gl_set_hook, gl_set_text, gl_run };

@@ -18,6 +18,6 @@ typedef struct runner_ops {
                  const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size);
 } runner_ops;
 
-extern const runner_ops runner_vulkan, runner_gl;
+extern const runner_ops runner_vulkan, runner_gl, runner_gles;
 
 #endif

@@ -67,7 +67,7 @@ struct Arguments {
 
 /* ---- OGRE's part: shaders, materials, compositor, scene ---------------------------------------------------------- */
 
-static const char surface_vertex[] = R"(#version 430 core
+static const char surface_vertex[] = R"(#version 330 core
 uniform mat4 to_clip, to_world;
 uniform mat4 normal_to_view, normal_to_world, to_view, to_shadow;
 in vec4 vertex;
@@ -86,7 +86,7 @@ void main()
 }
 )";
 
-static const char surface_fragment[] = R"(#version 430 core
+static const char surface_fragment[] = R"(#version 330 core
 uniform vec4 albedo, emission;
 uniform vec4 light_position, light_direction, light_colour; /* world */
 uniform vec4 light_cone;                                    /* cosines of the half angles, inner and outer */
@@ -116,7 +116,7 @@ void main()
 }
 )";
 
-static const char caster_vertex[] = R"(#version 430 core
+static const char caster_vertex[] = R"(#version 330 core
 uniform mat4 to_clip, to_world;
 in vec4 vertex;
 out vec3 world;
@@ -127,14 +127,14 @@ void main()
 }
 )";
 
-static const char caster_fragment[] = R"(#version 430 core
+static const char caster_fragment[] = R"(#version 330 core
 uniform vec3 eye;
 in vec3 world;
 layout(location = 0) out float range;
 void main() { range = distance(world, eye); }
 )";
 
-static const char quad_vertex[] = R"(#version 430 core
+static const char quad_vertex[] = R"(#version 330 core
 uniform mat4 to_clip;
 in vec4 vertex;
 in vec2 uv0;
@@ -146,7 +146,7 @@ void main()
 }
 )";
 
-static const char composite_fragment[] = R"(#version 430 core
+static const char composite_fragment[] = R"(#version 330 core
 uniform int view;
 uniform vec4 sky;
 uniform sampler2D albedo, direct, depth, ao, irradiance;
@@ -375,7 +375,8 @@ struct Lighting : Ogre::CustomCompositionPass {
         if (hbil_gl_resize(&gl, frame.width, frame.height, textures) != HBIL_GL_OK ||
             hbil_gl_run(&gl, &frame) != HBIL_GL_OK)
             throw Failure(BACKEND, gl.message);
-        gl.gl.memoryBarrier(0x08); /* GL_TEXTURE_FETCH_BARRIER_BIT: the quad samples what was stored as images */
+        /* GL_TEXTURE_FETCH_BARRIER_BIT: the quad samples what was stored as images. Drawn textures need no barrier */
+        if (gl.plan.config.stage == HBIL_STAGE_COMPUTE) gl.gl.memoryBarrier(0x08);
         frame.reset = 0;
         ++frame.index;
     }
@@ -465,7 +466,7 @@ struct Engine {
     }
 
     /* GL3Plus asks GLX for a 3.0 core context and takes what the driver gives. Mesa gives its latest, 4.5, and with it
-     * compute shaders; where it is older than 4.3, hbil_gl_init says so. */
+     * compute shaders. Where it is older than 4.3, hbil_gl_init says so, and --set stage=fragment still works. */
     void open_target(unsigned width, unsigned height, bool to_file)
     {
         Ogre::NameValuePairList options;

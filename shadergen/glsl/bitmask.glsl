@@ -120,6 +120,28 @@ hbil_span hbil_span_to(hbil_fan f, vec2 edge) {
     return to;
 }
 
+//@ chunk hbil_lowest_bit
+// Number of the lowest bit that is set; one is. GLSL 3.30 has no findLSB.
+int hbil_lowest_bit(uint bits) {
+#if HBIL_STAGE_FRAGMENT
+    return int(floatBitsToUint(float(bits & (~bits + 1u))) >> 23) - 127;
+#else
+    return findLSB(bits);
+#endif
+}
+
+//@ chunk hbil_bit_count
+// Bits that are set.
+int hbil_bit_count(uint bits) {
+#if HBIL_STAGE_FRAGMENT
+    bits -= (bits >> 1) & 0x55555555u;
+    bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);
+    return int((((bits + (bits >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);
+#else
+    return bitCount(bits);
+#endif
+}
+
 //@ chunk hbil_span_of
 // Sum over the runs of sectors.
 hbil_span hbil_span_of(hbil_fan f, uint bits) {
@@ -134,9 +156,9 @@ hbil_span hbil_span_of(hbil_fan f, uint bits) {
     sum.bent = vec2(0.0);
 #endif
     while (bits != 0u) {
-        int low = findLSB(bits);
+        int low = hbil_lowest_bit(bits);
         uint gaps = ~(bits >> uint(low));
-        int high = gaps == 0u ? 32 : low + findLSB(gaps);
+        int high = gaps == 0u ? 32 : low + hbil_lowest_bit(gaps);
         hbil_span a = hbil_span_to(f, hbil_turn(f, low));
         hbil_span b = hbil_span_to(f, hbil_turn(f, high));
 #if HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH
@@ -158,7 +180,7 @@ hbil_span hbil_span_of(hbil_fan f, uint bits) {
 // Radiance through sectors that nothing nearer has filled.
 void hbil_add_bits(hbil_receiver r, hbil_fan f, uint bits, vec3 radiance, inout hbil_sums sum) {
 #if HBIL_NEAR_LIGHT
-    sum.near += float(bitCount(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;
+    sum.near += float(hbil_bit_count(bits)) / 32.0 * (f.light_front + f.light_back) * radiance;
 #endif
 #if HBIL_OUTPUTS_SH
     hbil_span span = hbil_span_of(f, bits);
@@ -288,7 +310,7 @@ void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout 
 #endif
 #if HBIL_SUMS
     sum.full += full;
-    sum.blocked += full * float(bitCount(hidden)) / 32.0;
+    sum.blocked += full * float(hbil_bit_count(hidden)) / 32.0;
 #endif
 #if HBIL_BENT || HBIL_OUTPUTS_UNIFORM_AO || HBIL_OUTPUTS_SH
     hbil_span open = hbil_span_of(f, ~hidden);
@@ -308,7 +330,7 @@ void hbil_bitmask_slice(hbil_receiver r, vec3 slice, vec2 d, vec2 jitter, inout 
         uint bits = ~hidden & (0xffu << uint(i));
         if (bits == 0u) continue;
         vec2 b = hbil_span_of(f, bits).bent;
-        sum.far += hbil_far_arc(r, full * float(bitCount(bits)) / 32.0, b.x * slice + b.y * r.v);
+        sum.far += hbil_far_arc(r, full * float(hbil_bit_count(bits)) / 32.0, b.x * slice + b.y * r.v);
     }
 #endif
 }

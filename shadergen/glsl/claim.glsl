@@ -3,7 +3,7 @@
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;
     ivec2 to;
     float z;

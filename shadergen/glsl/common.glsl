@@ -10,6 +10,16 @@ const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: histor
 //@ chunk HBIL_PI
 const float HBIL_PI = 3.141592654;
 
+//@ chunk hbil_texel
+// Where this invocation stands in its grid.
+ivec2 hbil_texel() {
+#if HBIL_STAGE_FRAGMENT
+    return ivec2(gl_FragCoord.xy);
+#else
+    return ivec2(gl_GlobalInvocationID.xy);
+#endif
+}
+
 //@ chunk hbil_position
 // Point seen at a pixel position (centres at .5) and view depth. m
 vec3 hbil_position(vec2 pixel, float z) {
@@ -57,17 +67,37 @@ vec3 hbil_finite(vec3 radiance) {
     return mix(vec3(0.0), min(radiance, vec3(HBIL_RADIANCE_MAX)), greaterThan(radiance, vec3(0.0)));
 }
 
+//@ chunk hbil_pack_snorm
+// Two numbers in [-1, 1] as 16 bits each. GLSL 3.30 has no packSnorm2x16.
+uint hbil_pack_snorm(vec2 v) {
+#if HBIL_STAGE_FRAGMENT
+    ivec2 i = ivec2(floor(clamp(v, -1.0, 1.0) * 32767.0 + 0.5));
+    return uint(i.x & 65535) | (uint(i.y) << 16);
+#else
+    return packSnorm2x16(v);
+#endif
+}
+
+//@ chunk hbil_unpack_snorm
+vec2 hbil_unpack_snorm(uint code) {
+#if HBIL_STAGE_FRAGMENT
+    return clamp(vec2(ivec2(int(code) << 16, int(code)) >> 16) / 32767.0, -1.0, 1.0);
+#else
+    return unpackSnorm2x16(code);
+#endif
+}
+
 //@ chunk hbil_encode_normal
 // Octahedral map of a unit vector, 2 x snorm16. Error below 5e-5 rad. Meyer 2010
 uint hbil_encode_normal(vec3 n) {
     vec2 o = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
     vec2 fold = (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));
-    return packSnorm2x16(n.z > 0.0 ? fold : o);
+    return hbil_pack_snorm(n.z > 0.0 ? fold : o);
 }
 
 //@ chunk hbil_decode_normal
 vec3 hbil_decode_normal(uint code) {
-    vec2 o = unpackSnorm2x16(code);
+    vec2 o = hbil_unpack_snorm(code);
     vec3 n = vec3(o, abs(o.x) + abs(o.y) - 1.0);
     float fold = max(n.z, 0.0);
     n.xy += mix(vec2(fold), vec2(-fold), greaterThanEqual(n.xy, vec2(0.0)));

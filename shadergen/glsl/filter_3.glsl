@@ -2,7 +2,7 @@
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
 #if HBIL_ARITHMETIC_HALF
     mediump vec4 s[HBIL_LAYERS];

@@ -159,6 +159,15 @@ hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {
     return t;
 }
 
+//@ chunk hbil_last_irradiance
+// E/pi that pixel q of last frame's grid may reflect.
+vec3 hbil_last_irradiance(ivec2 q) {
+#if HBIL_STAGE_FRAGMENT && HBIL_COARSE
+    q = min(q * HBIL_DOWNSCALE + HBIL_DOWNSCALE / 2, HBIL_LAST_FULL_SIZE - 1); // as hbil_middle was
+#endif
+    return hbil_unpack_radiance(texelFetch(u_last_bounce, q, 0).r);
+}
+
 //@ chunk hbil_pushed_at
 // Texel q of level 1 or 2 in u_pushed.
 ivec2 hbil_pushed_at(ivec2 q, int level) {
@@ -166,10 +175,10 @@ ivec2 hbil_pushed_at(ivec2 q, int level) {
 }
 
 //@ chunk hbil_pushed_far_at
-// Texel q of level 3 to 6 in u_pushed_far.
-ivec3 hbil_pushed_far_at(ivec2 q, int level) {
+// Texel q of level 4, 5 or 6 in u_pushed_far.
+ivec2 hbil_pushed_far_at(ivec2 q, int level) {
     ivec2 size = (HBIL_SIZE + 7) / 8;
-    return ivec3(q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0), level > 3 ? 1 : 0);
+    return q + ivec2(level > 4 ? (size.x + 1) / 2 : 0, level > 5 ? (size.y + 3) / 4 : 0);
 }
 
 //@ chunk HBIL_PUSHED

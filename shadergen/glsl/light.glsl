@@ -63,8 +63,13 @@ vec3 hbil_far_light(ivec2 p, hbil_opening o) {
 #if HBIL_BOUNCES_RECURSIVE
 // What the surface may reflect in the next frame, on the grid.
 void hbil_store_bounce(ivec2 p, vec3 irradiance) {
+    uint code = hbil_pack_radiance(hbil_finite(irradiance));
+#if HBIL_STAGE_FRAGMENT
+    imageStore(u_bounce, p, uvec4(code)); // of every pixel: a fragment cannot write another one
+#else
     ivec2 q = p / HBIL_DOWNSCALE;
-    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(hbil_pack_radiance(hbil_finite(irradiance))));
+    if (p == hbil_middle(q)) imageStore(u_bounce, q, uvec4(code));
+#endif
 }
 #endif
 
@@ -165,7 +170,7 @@ void hbil_shade_sky(ivec2 p) {
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, hbil_frame_size()))) return;
 #if HBIL_COARSE
     float z = texelFetch(u_full_depth, p, 0).r;

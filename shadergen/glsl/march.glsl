@@ -203,14 +203,14 @@ void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
 
 //@ chunk main
 void main() {
-#if HBIL_INTERLEAVE_YES
+#if HBIL_INTERLEAVE_YES && HBIL_STAGE_COMPUTE
     // place by place of the 4 x 4, each a quarter of the screen wide: a wave has one noise
     ivec2 quarter = (HBIL_SIZE + 3) / 4;
-    ivec2 g = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 g = hbil_texel();
     ivec2 p = g % quarter * 4 + g / quarter;
     if (any(greaterThanEqual(g, 4 * quarter))) return;
 #else
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
 #endif
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     float z = hbil_load_depth(p);

@@ -127,7 +127,7 @@ vec3 hbil_view_normal(ivec2 p, float z) {
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, hbil_frame_size()))) return;
     float z = hbil_view_depth(p);
     uint normal = z < HBIL_SKY ? hbil_encode_normal(hbil_view_normal(p, z)) : 0u;

@@ -7,7 +7,7 @@ vec4 hbil_landed_light(ivec2 p) {
     if (any(greaterThanEqual(p, HBIL_SIZE))) return vec4(0.0);
     uint claim = texelFetch(u_claimed, p, 0).r;
     if (claim == HBIL_NOWHERE) return vec4(0.0);
-    vec3 light = hbil_unpack_radiance(texelFetch(u_last_bounce, ivec2(claim & 65535u, claim >> 16), 0).r);
+    vec3 light = hbil_last_irradiance(ivec2(claim & 65535u, claim >> 16));
     return vec4(light, hbil_key_depth(texelFetch(u_landed, p, 0).r));
 }
 
@@ -33,9 +33,9 @@ vec4 hbil_push_pair(ivec2 q) {
 
 //@ chunk main
 void main() {
-    ivec2 q = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 q = hbil_texel();
     if (any(greaterThanEqual(8 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;
     vec4 mean = hbil_push(hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),
         hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));
-    imageStore(u_pushed_far, hbil_pushed_far_at(q, 3), mean);
+    imageStore(u_pushed_8, q, mean);
 }

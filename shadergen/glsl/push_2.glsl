@@ -3,7 +3,7 @@
 //@ chunk hbil_pushed
 // What push made of 8 x 8 pixels.
 vec4 hbil_pushed(ivec2 q) {
-    return any(greaterThanEqual(8 * q, HBIL_SIZE)) ? vec4(0.0) : imageLoad(u_pushed_far, hbil_pushed_far_at(q, 3));
+    return any(greaterThanEqual(8 * q, HBIL_SIZE)) ? vec4(0.0) : texelFetch(u_pushed_8, q, 0);
 }
 
 //@ chunk hbil_push_far
@@ -28,7 +28,7 @@ vec4 hbil_push_pair(ivec2 q) {
 
 //@ chunk main
 void main() {
-    ivec2 q = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 q = hbil_texel();
     if (any(greaterThanEqual(64 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;
     hbil_push_far(q, 6, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),
         hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));

@@ -18,7 +18,7 @@ vec3 hbil_pull(ivec2 p, float z) {
             ivec2 o = ivec2(i & 1, i >> 1);
             ivec2 q = clamp(first + o, ivec2(0), size - 1);
             vec4 t = level < 3 ? texelFetch(u_pushed, hbil_pushed_at(q, level), 0)
-                : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);
+                : level < 4 ? texelFetch(u_pushed_8, q, 0) : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);
             if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;
             vec2 w = mix(1.0 - f, f, vec2(o));
             sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);
@@ -36,7 +36,7 @@ vec3 hbil_last_light(ivec2 p, float z) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; ++i) {
         if (t.weights[i] <= 0.0) continue;
-        sum += t.weights[i] * hbil_unpack_radiance(texelFetch(u_last_bounce, t.first + ivec2(i & 1, i >> 1), 0).r);
+        sum += t.weights[i] * hbil_last_irradiance(t.first + ivec2(i & 1, i >> 1));
     }
     if (t.all > 0.0) return sum / t.all;
 #if HBIL_REPROJECT_SCATTER
@@ -47,7 +47,7 @@ vec3 hbil_last_light(ivec2 p, float z) {
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     float z = hbil_load_depth(p);
     vec3 radiance = vec3(0.0);

@@ -4,7 +4,7 @@
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     vec4 z;
     for (int i = 0; i < 4; ++i) z[i] = texelFetch(u_full_depth, hbil_quad(p, i), 0).r;

@@ -49,13 +49,46 @@ vec4 hbil_signal(ivec2 p, int layer) {
 //@ chunk hbil_pass_on
 // Leave a signal for the next pass.
 void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {
+#if HBIL_STORAGE_HALF
+    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX));
+#endif
 #if HBIL_ONLY_AO
-    imageStore(u_to, ivec3(p, 0), vec4(s[0].a));
-#elif HBIL_STORAGE_HALF
-    for (int i = 0; i < HBIL_LAYERS; ++i)
-        imageStore(u_to, ivec3(p, i), clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX)));
-#else
+    s[0] = vec4(s[0].a);
+#endif
+#if HBIL_STAGE_COMPUTE
     for (int i = 0; i < HBIL_LAYERS; ++i) imageStore(u_to, ivec3(p, i), s[i]);
+#else
+#if HBIL_LIGHT_LAYER
+    u_to[0] = s[0];
+#endif
+#if HBIL_BENT_LAYER
+    u_to[HBIL_AT_BENT] = s[HBIL_AT_BENT];
+#endif
+#if HBIL_FAR_LAYER
+    u_to[HBIL_AT_FAR] = s[HBIL_AT_FAR];
+#endif
+#if HBIL_OUTPUTS_SH
+    u_to[HBIL_AT_SH] = s[HBIL_AT_SH];
+    u_to[HBIL_AT_SH + 1] = s[HBIL_AT_SH + 1];
+    u_to[HBIL_AT_SH + 2] = s[HBIL_AT_SH + 2];
+    u_to[HBIL_AT_SH + 3] = s[HBIL_AT_SH + 3];
+#endif
+#endif
+}
+
+//@ chunk hbil_store_sh_at
+// The output sh.
+void hbil_store_sh_at(ivec2 p, vec4 a, vec4 b, vec4 c, vec4 d) {
+#if HBIL_STAGE_COMPUTE
+    imageStore(u_sh, ivec3(p, 0), a);
+    imageStore(u_sh, ivec3(p, 1), b);
+    imageStore(u_sh, ivec3(p, 2), c);
+    imageStore(u_sh, ivec3(p, 3), d);
+#else
+    u_sh[0] = a;
+    u_sh[1] = b;
+    u_sh[2] = c;
+    u_sh[3] = d;
 #endif
 }
 
@@ -101,7 +134,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     imageStore(u_near, p, vec4(near, 1.0));
 #endif
 #if HBIL_OUTPUTS_SH
-    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), s[HBIL_AT_SH + i]);
+    hbil_store_sh_at(p, s[HBIL_AT_SH], s[HBIL_AT_SH + 1], s[HBIL_AT_SH + 2], s[HBIL_AT_SH + 3]);
 #endif
 #if HBIL_FAR_BITS
     vec3 far = s[HBIL_AT_FAR].rgb;
@@ -128,7 +161,7 @@ void hbil_finish_sky(ivec2 p) {
     imageStore(u_near, p, vec4(0.0, 0.0, 0.0, 1.0));
 #endif
 #if HBIL_OUTPUTS_SH
-    for (int i = 0; i < 4; ++i) imageStore(u_sh, ivec3(p, i), vec4(0.0));
+    hbil_store_sh_at(p, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
 #endif
 #if HBIL_FAR_BITS
     imageStore(u_far, p, vec4(0.0, 0.0, 0.0, 1.0));
@@ -156,7 +189,7 @@ hbil_surface hbil_surface_at(vec2 pixel, float z, uint normal) {
     hbil_surface s;
     s.position = hbil_position(pixel, z);
     s.n = hbil_decode_normal(normal);
-    s.code = unpackSnorm2x16(normal);
+    s.code = hbil_unpack_snorm(normal);
     s.pixel = length(hbil_position(pixel + vec2(1.0, 0.0), z) - s.position);
     return s;
 }
@@ -167,7 +200,7 @@ float hbil_belongs(hbil_surface s, ivec2 q, float gap) {
     float z = hbil_load_depth(q);
     if (z >= HBIL_SKY) return 0.0;
     float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));
-    vec2 turn = unpackSnorm2x16(texelFetch(u_view_normal, q, 0).r) - s.code;
+    vec2 turn = hbil_unpack_snorm(texelFetch(u_view_normal, q, 0).r) - s.code;
     return clamp(1.0 - off / (HBIL_FILTER_PLANE * gap * s.pixel), 0.0, 1.0)
         * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);
 }

@@ -57,7 +57,7 @@ const float HBIL_SANE = 1e7; // history beyond, or that is no number, is thrown 
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     float z = hbil_load_depth(p);
     if (z >= HBIL_SKY) {

@@ -3,7 +3,7 @@
 
 //@ chunk main
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_FULL_SIZE))) return;
     float z = texelFetch(u_full_depth, p, 0).r;
     if (z >= HBIL_SKY) {

@@ -126,7 +126,7 @@ static void make_plan(const job *j, const char *text, const capture *cap, hbil_p
         snprintf(preset, sizeof preset, "%.*s", (int)(options - text) - 7, text + 7);
         if (hbil_config_preset(preset, &c, &diags) != HBIL_OK) refuse(text, items, &diags);
     }
-    c.target = strcmp(j->backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
+    c.target = runner_target(j->backend);
     c.projection = cap->orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE;
     c.f0 = HBIL_F0_NONE;
     c.environment = HBIL_ENVIRONMENT_NONE;

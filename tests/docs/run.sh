@@ -1,6 +1,7 @@
 #!/bin/sh
 # run.sh ROOT BIN - what README.md shows is true: every ```c block compiles without a warning, links and runs; every
-# ```console block prints what stands below its `$ ` line; every local link leads to a file.
+# ```console block prints what stands below its `$ ` line; every local link leads to a file; every quote is what stands
+# between the marks of a program that is built and tested.
 set -u
 root=$1 bin=$2 failed=0
 temp=$(mktemp -d) || exit 1
@@ -25,6 +26,16 @@ for block in "$temp"/*.console; do
     sed 1d "$block" > "$temp/expected"
     PATH=$bin:$PATH sh -c "$command" | head -n "$(wc -l < "$temp/expected")" > "$temp/output"
     if diff "$temp/expected" "$temp/output"; then say ok "$command"; else say FAILED "$command"; fi
+done
+# quote NAME PAGE: below `<!-- quote of FILE: NAME -->` stands what FILE has between its marks <<NAME and >>NAME
+for page in README.md backends/README.md; do
+    for mark in $(sed -n 's/^<!-- quote of \(.*\): \(.*\) -->$/\1:\2/p' "$root/$page"); do
+        file=${mark%:*} name=${mark#*:}
+        sed -n "/^\/\* <<$name \*\//,/^\/\* >>$name \*\//p" "$root/$file" | sed '1d; $d' > "$temp/expected"
+        sed -n "/^<!-- quote of .*: $name -->/,/^\`\`\`\$/p" "$root/$page" | sed '1,2d; $d' > "$temp/output"
+        if [ -s "$temp/expected" ] && diff "$temp/expected" "$temp/output"; then say ok "$page quotes $name of $file"
+        else say FAILED "$page: other than $name of $file"; fi
+    done
 done
 for page in README.md backends/README.md; do
     for link in $(grep -o '](\([^)]*\))' "$root/$page" | sed 's/^](//; s/)$//; s/#.*//' | sort -u); do

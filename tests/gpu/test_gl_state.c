@@ -13,11 +13,29 @@ enum { WIDTH = 21, HEIGHT = 13, UNITS = 16, IMAGES = 8, BLOCKS = 4 };
 /* Between them, every kind of texture. */
 #define CUBE_PLAN   "target=gl outputs=ao+sh+far+composite environment=cube multisample=yes sample=2"
 #define PROBE_PLAN  "target=gl outputs=ao+far environment=probes"
+#define DRAWN_PLAN  "target=gl stage=fragment outputs=ao+near+sh noise=none"
 
 #define GL_FUNCTIONS(X)                                  \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)             \
     X(PFNGLATTACHSHADERPROC, AttachShader)               \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                   \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)         \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)         \
+    X(PFNGLCOLORMASKPROC, ColorMask)                     \
+    X(PFNGLCOLORMASKIPROC, ColorMaski)                   \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)   \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)   \
+    X(PFNGLDISABLEIPROC, Disablei)                       \
+    X(PFNGLENABLEIPROC, Enablei)                         \
+    X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D) \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)         \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)         \
+    X(PFNGLGETBOOLEANI_VPROC, GetBooleani_v)             \
+    X(PFNGLISENABLEDPROC, IsEnabled)                     \
+    X(PFNGLISENABLEDIPROC, IsEnabledi)                   \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                 \
+    X(PFNGLSCISSORPROC, Scissor)                         \
+    X(PFNGLVIEWPORTPROC, Viewport)                       \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)           \
     X(PFNGLBINDBUFFERRANGEPROC, BindBufferRange)         \
     X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)       \
@@ -241,15 +259,43 @@ typedef struct snapshot {
     struct { GLenum name; int index, value; } items[512];
 } snapshot;
 
+static void take_value(snapshot *s, GLenum name, int index, int value)
+{
+    assert_in_range(s->count, 0, 511);
+    s->items[s->count].name = name;
+    s->items[s->count].index = index;
+    s->items[s->count++].value = value;
+}
+
 static void take(snapshot *s, GLenum name, int index, int indexed)
 {
     int value = -1;
     if (indexed) gl.GetIntegeri_v(name, (GLuint)index, &value);
     else gl.GetIntegerv(name, &value);
-    assert_in_range(s->count, 0, 511);
-    s->items[s->count].name = name;
-    s->items[s->count].index = index;
-    s->items[s->count++].value = value;
+    take_value(s, name, index, value);
+}
+
+static const GLenum switches[] = { GL_DEPTH_TEST, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD,
+    GL_COLOR_LOGIC_OP, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE7, GL_DEPTH_CLAMP, GL_MULTISAMPLE, GL_PRIMITIVE_RESTART };
+enum { SWITCHES = sizeof switches / sizeof *switches };
+
+/* What decides how a triangle is drawn. */
+static void take_drawing(snapshot *s)
+{
+    int i, values[4] = { 0 };
+    GLboolean mask[4];
+    for (i = 0; i < SWITCHES; ++i) take_value(s, switches[i], 0, gl.IsEnabled(switches[i]));
+    for (i = 0; i < IMAGES; ++i) {
+        take_value(s, GL_BLEND, i, gl.IsEnabledi(GL_BLEND, (GLuint)i));
+        gl.GetBooleani_v(GL_COLOR_WRITEMASK, (GLuint)i, mask);
+        take_value(s, GL_COLOR_WRITEMASK, i, mask[0] + 2 * mask[1] + 4 * mask[2] + 8 * mask[3]);
+    }
+    gl.GetIntegerv(GL_VIEWPORT, values);
+    for (i = 0; i < 4; ++i) take_value(s, GL_VIEWPORT, i, values[i]);
+    gl.GetIntegerv(GL_SCISSOR_BOX, values);
+    for (i = 0; i < 4; ++i) take_value(s, GL_SCISSOR_BOX, i, values[i]);
+    gl.GetIntegerv(GL_POLYGON_MODE, values);
+    take_value(s, GL_POLYGON_MODE, 0, values[0]);
 }
 
 static void take_snapshot(snapshot *s)
@@ -258,6 +304,7 @@ static void take_snapshot(snapshot *s)
         GL_CURRENT_PROGRAM, GL_ACTIVE_TEXTURE, GL_UNIFORM_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_BINDING,
         GL_DISPATCH_INDIRECT_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_PACK_BUFFER_BINDING, GL_UNPACK_ALIGNMENT,
         GL_COPY_WRITE_BUFFER_BINDING, GL_PROGRAM_PIPELINE_BINDING, GL_VERTEX_ARRAY_BINDING, GL_DRAW_FRAMEBUFFER_BINDING,
+        GL_READ_FRAMEBUFFER_BINDING,
         GL_TEXTURE_CUBE_MAP_SEAMLESS };
     static const GLenum images[] = { GL_IMAGE_BINDING_NAME, GL_IMAGE_BINDING_LEVEL, GL_IMAGE_BINDING_LAYERED,
                                     GL_IMAGE_BINDING_LAYER, GL_IMAGE_BINDING_ACCESS, GL_IMAGE_BINDING_FORMAT };
@@ -280,6 +327,7 @@ static void take_snapshot(snapshot *s)
         for (k = 0; k < 6; ++k) take(s, images[k], i, 1);
     for (i = 0; i < BLOCKS; ++i)
         for (k = 0; k < 3; ++k) take(s, blocks[k], i, 1);
+    take_drawing(s);
 }
 
 static void assert_same(const snapshot *before, const char *verb)
@@ -296,7 +344,7 @@ static void assert_same(const snapshot *before, const char *verb)
 
 /* Objects behind the odd values. */
 typedef struct odd_objects {
-    unsigned program, buffer, flat[UNITS], array, multisample, cube, volume, samplers[UNITS];
+    unsigned program, buffer, flat[UNITS], array, multisample, cube, volume, samplers[UNITS], framebuffer, vertex_array;
 } odd_objects;
 
 static unsigned make_program(void)
@@ -330,8 +378,13 @@ static void make_odd_objects(odd_objects *o)
     gl.GenTextures(1, &o->volume);
     gl.BindTexture(GL_TEXTURE_3D, o->volume);
     gl.TexStorage3D(GL_TEXTURE_3D, 1, GL_RGBA8, 8, 8, 8);
+    gl.GenFramebuffers(1, &o->framebuffer);
+    gl.GenVertexArrays(1, &o->vertex_array);
     gl.GenSamplers(UNITS, o->samplers);
     for (i = 0; i < UNITS; ++i) o->flat[i] = make_texture(GL_R32F, 4, 4);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, o->flat[0], 0);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 /* No two units alike, nothing at its default. whole: uniform buffers bound by glBindBufferBase instead of a range. */
@@ -358,10 +411,32 @@ static void set_odd_state(const odd_objects *o, int whole)
     }
     gl.BindBuffer(GL_UNIFORM_BUFFER, whole ? 0 : o->buffer);
     gl.UseProgram(o->program);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, o->framebuffer);
+    gl.BindVertexArray(o->vertex_array);
+    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, o->buffer);
+    gl.Viewport(3, 4, 5, 6);
+    gl.Scissor(1, 2, 3, 4);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    for (i = 0; i < SWITCHES; ++i) gl.Enable(switches[i]);
+    for (i = 0; i < IMAGES; ++i) {
+        if (i & 1) gl.Enablei(GL_BLEND, i);
+        gl.ColorMaski(i, i & 1, i & 2, i & 4, i & 1);
+    }
 }
 
 static void delete_odd_objects(odd_objects *o)
 {
+    GLuint i;
+    for (i = 0; i < SWITCHES; ++i)
+        if (switches[i] != GL_MULTISAMPLE) gl.Disable(switches[i]);
+    for (i = 0; i < IMAGES; ++i) gl.Disablei(GL_BLEND, i);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl.BindVertexArray(0);
+    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    gl.DeleteFramebuffers(1, &o->framebuffer);
+    gl.DeleteVertexArrays(1, &o->vertex_array);
     gl.UseProgram(0);
     gl.ActiveTexture(GL_TEXTURE0);
     gl.DeleteProgram(o->program);
@@ -393,10 +468,10 @@ static void use_every_verb(const snapshot *before)
 
 static void every_verb_puts_all_state_back(void **state)
 {
-    static const char *const plans[] = { ALL_OUTPUTS, CUBE_PLAN, PROBE_PLAN };
+    static const char *const plans[] = { ALL_OUTPUTS, CUBE_PLAN, PROBE_PLAN, DRAWN_PLAN };
     int variant, messages = runner_gl.messages(device);
     (void)state;
-    for (variant = 0; variant < 9; ++variant) { /* each with ranges, whole buffers, everything at its default */
+    for (variant = 0; variant < 12; ++variant) { /* each with ranges, whole buffers, everything at its default */
         odd_objects odd;
         snapshot before;
         drop_plan();
@@ -438,6 +513,27 @@ static void a_deleted_current_program_becomes_none(void **state)
     assert_int_equal(hbil_gl_run(&ctx, &frame), HBIL_GL_OK);
     gl.GetIntegerv(GL_CURRENT_PROGRAM, &current);
     assert_int_equal(current, 0);
+}
+
+/* What it puts back it also sets: the caller's blending, masks and tests do not get into the picture. */
+static void odd_state_does_not_change_the_picture(void **state)
+{
+    static float plain[WIDTH * HEIGHT], odd_ao[WIDTH * HEIGHT];
+    odd_objects odd;
+    (void)state;
+    drop_plan();
+    set_plan(DRAWN_PLAN);
+    assert_int_equal(init(), HBIL_GL_OK);
+    assert_int_equal(hbil_gl_resize(&ctx, WIDTH, HEIGHT, textures), HBIL_GL_OK);
+    assert_int_equal(hbil_gl_run(&ctx, &frame), HBIL_GL_OK);
+    read_ao(plain);
+    assert_true(plain[WIDTH * HEIGHT / 2] > 0.1f && plain[WIDTH * HEIGHT / 2] < 0.99f); /* the valley */
+    make_odd_objects(&odd);
+    set_odd_state(&odd, 0);
+    assert_int_equal(hbil_gl_run(&ctx, &frame), HBIL_GL_OK);
+    delete_odd_objects(&odd);
+    read_ao(odd_ao);
+    assert_memory_equal(plain, odd_ao, sizeof plain);
 }
 
 /* --------------------------------------------------------------------------------------------------------- barriers */
@@ -797,6 +893,7 @@ int main(void)
         TEST(every_verb_puts_all_state_back),
         TEST(a_pending_error_of_the_caller_stays_pending),
         TEST(a_deleted_current_program_becomes_none),
+        TEST(odd_state_does_not_change_the_picture),
         TEST(each_pass_waits_for_what_it_reads_and_overwrites),
         TEST(init_names_what_is_wrong_with_the_context),
         TEST(init_names_what_is_wrong_with_the_plan),

@@ -33,7 +33,7 @@ static int open_view(int index)
     if (!backend || !*backend) {
         backend = "vulkan";
     }
-    g_target = strcmp(backend, "gl") == 0 ? HBIL_TARGET_GL : HBIL_TARGET_VULKAN;
+    g_target = runner_target(backend);
     g_runners[index] = runner_open(backend, 0, error, sizeof error);
     if (!g_runners[index]) {
         print_error("%s\n", error);

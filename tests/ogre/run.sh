@@ -48,6 +48,9 @@ expect 0 '' --frames 3 --view composite --png "$work/composite.png"
 expect 0 '' --frames 3 --view ao --png "$work/ao.png"
 expect 0 '' --frames 6 --set bounces=recursive,facing=half_space,temporal=yes --png "$work/recursive.png"
 "$check" "$work/direct.png" "$work/composite.png" "$work/ao.png" "$work/recursive.png" || failed=1
+# The same from fragment shaders, which touch far more of the state that OGRE caches.
+expect 0 '' --frames 3 --preset sampled --set stage=fragment --view ao --png "$work/fragment.png"
+"$check" "$work/direct.png" "$work/composite.png" "$work/fragment.png" "$work/recursive.png" || failed=1
 expect 0 '' --frames 2 --view split
 
 expect 2 --nonsense --nonsense 1
