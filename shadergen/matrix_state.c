@@ -20,36 +20,27 @@ static const char *const folders[] = { "", "spirv/", "glsl/" };
 
 /* ---------------------------------------------------------------------- key */
 
-static int hash_file(const char *path, uint64_t *hash)
-{
-    size_t size;
-    char *data = read_all(path, &size);
-    if (data) *hash = hash_bytes(*hash, data, size);
-    free(data);
-    return data != NULL;
-}
-
 /* Whatever may change what is made: this program and its libraries, glslang among them, byte by byte, and the format. Where the
  * system does not tell them it is 0, which fits no line: then all is made again. */
 static uint64_t key_of(const matrix_job *m)
 {
-    uint64_t hash = HASH;
-    char line[2048], last[2048] = "", *path;
+    uint64_t sum = STATE_SCHEMA;
+    char line[2048], last[2048] = "", *path, *data;
     FILE *f = fopen("/proc/self/maps", "r");
-    int found = 0;
-    if (!f) return 0;
-    while (fgets(line, sizeof line, f)) {
+    size_t size;
+    int ok = f != NULL;
+    while (ok && fgets(line, sizeof line, f)) {
         line[strcspn(line, "\n")] = 0;
         path = strchr(line, '/');
         if (!path || !strstr(line, " r-xp ") || strcmp(path, last) == 0) continue;
         strcpy(last, path);
-        if (!hash_file(path, &hash)) found = -1000000;
-        ++found;
+        data = read_all(path, &size);
+        ok = data != NULL;
+        if (ok) sum += hash_bytes(HASH, data, size); /* a sum: they are mapped in any order */
+        free(data);
     }
-    fclose(f);
-    hash = hash_bytes(hash, m->spirv ? "spirv" : "glsl", 4);
-    hash ^= STATE_SCHEMA;
-    return found > 0 && hash ? hash : 0;
+    if (f) fclose(f);
+    return ok ? hash_bytes(sum, m->spirv ? "spirv" : "glsl", 4) : 0;
 }
 
 /* ---------------------------------------------------------------------- names */
