@@ -15,11 +15,11 @@ static int help(void)
 {
     fputs("shadergen matrix - builds all combinations of lists of values\n\n"
           "usage: shadergen matrix FILE -o DIR [options]\n\n"
-          "FILE: options as a config has them, a list each; - is standard input. All combinations of their values are variants:\n"
+          "FILE, or - for standard input: the options of a config, a list of values each. All combinations are variants:\n"
           "  preset  = fast, balanced      # the base, if any\n"
           "  outputs = ao, ao+near\n"
           "  slices  = 1, 2, 4\n"
-          "Combinations that mean nothing are refused, with the reason in the manifest. Those that give the same shaders are one\n"
+          "Combinations that mean nothing are refused; the manifest tells why. Those that resolve to the same config are one\n"
           "variant. Equal shaders are one file.\n\n"
           "DIR, made if need be:\n"
           "  spirv/PASS-HASH.spv     SPIR-V, named by its bytes; or glsl/PASS-HASH.comp, .frag, .vert\n"
@@ -36,8 +36,8 @@ static int help(void)
           "  -v                      also what was refused, and the memory that it took\n"
           "  -h, --help\n\n"
           "A run that was interrupted goes on where it was. Files of earlier runs that no variant needs are removed.\n\n"
-          "exit: 0 done, 1 FILE is wrong or all is refused, 2 wrong usage, 3 cannot read or write, 4 glslang refused our text,\n"
-          "      5 --check found something stale\n", stdout);
+          "exit: 0 done, 1 FILE is wrong or all is refused, 2 wrong usage, 3 cannot read or write,\n"
+          "      4 glslang refused our text, 5 --check found something stale\n", stdout);
     return DONE;
 }
 
@@ -67,6 +67,11 @@ static int read_value(matrix_job *m, const char *flag, const char *value)
     return DONE;
 }
 
+static int takes_value(const char *a)
+{
+    return strcmp(a, "-o") == 0 || strcmp(a, "--output") == 0 || strcmp(a, "--jobs") == 0 || strcmp(a, "--format") == 0;
+}
+
 static int read_arguments(matrix_job *m, int argc, char **argv)
 {
     int i, code = DONE;
@@ -76,7 +81,7 @@ static int read_arguments(matrix_job *m, int argc, char **argv)
         else if (strcmp(a, "-v") == 0) m->verbose = 1;
         else if (strcmp(a, "--c") == 0) m->c = 1;
         else if (strcmp(a, "--check") == 0) m->check = 1;
-        else if (strcmp(a, "-o") == 0 || strcmp(a, "--output") == 0 || strcmp(a, "--jobs") == 0 || strcmp(a, "--format") == 0) {
+        else if (takes_value(a)) {
             if (++i == argc || !*argv[i]) return usage("no value after ", a);
             code = read_value(m, a, argv[i]);
         }
@@ -87,6 +92,7 @@ static int read_arguments(matrix_job *m, int argc, char **argv)
     if (code != DONE) return code;
     if (!m->file) return usage("name the file of the matrix", "");
     if (!m->folder) return usage("name the folder to write to: -o DIR", "");
+    if (strcmp(m->folder, "-") == 0) return usage("a matrix is many files: after -o name a folder, not ", m->folder);
     if (m->c && !m->spirv) return usage("--c holds SPIR-V: leave out --c or --format glsl", "");
     return DONE;
 }
@@ -106,12 +112,25 @@ static int take_folder(const matrix_job *m)
     return IO;
 }
 
+static void print_refused(const matrix_job *m)
+{
+    int32_t i;
+    for (i = 0; i < m->list.count; ++i) {
+        char config[4096] = "";
+        if (!m->list.items[i].refused) continue;
+        hbil_config_print(&m->list.items[i].config, 0, config, sizeof config, NULL);
+        fprintf(stderr, "shadergen: refused: %s: %s\n", config, m->list.items[i].refused);
+    }
+}
+
 static int all_refused(const matrix_job *m)
 {
     int32_t i;
     for (i = 0; i < m->list.count; ++i)
         if (!m->list.items[i].refused) return 0;
-    fprintf(stderr, "shadergen: %s: all %d combinations are refused; the first: %s\n", m->file, (int)m->combinations, m->list.items[0].refused);
+    if (m->verbose) print_refused(m);
+    fprintf(stderr, "shadergen: all %d combinations are refused; the first: %s\n", (int)m->combinations,
+            m->list.items[0].refused);
     return 1;
 }
 
@@ -133,24 +152,13 @@ static int finish(matrix_job *m)
     files outputs = { NULL, 0, 0 };
     file *f = files_add(&outputs);
     int code = f ? output_manifest(m, f) : no_memory();
-    if (code == DONE && m->c)
+    if (code == DONE && m->c && !m->stale) /* --check may lack what C is made from */
         code = files_add(&outputs) && (f = files_add(&outputs)) != NULL ? output_c(m, f - 1, f) : no_memory();
     if (code == DONE && !m->check)
         code = (f = files_add(&outputs)) != NULL ? state_print(m, f) : no_memory();
     if (code == DONE) code = write_outputs(m, &outputs);
     files_free(&outputs);
     return code == DONE ? state_remove_old(m) : code;
-}
-
-static void print_refused(const matrix_job *m)
-{
-    int32_t i;
-    for (i = 0; i < m->list.count; ++i) {
-        char config[4096] = "";
-        if (!m->list.items[i].refused) continue;
-        hbil_config_print(&m->list.items[i].config, 0, config, sizeof config, NULL);
-        fprintf(stderr, "shadergen: refused: %s: %s\n", config, m->list.items[i].refused);
-    }
 }
 
 static void summary(const matrix_job *m, double begin)
@@ -164,7 +172,7 @@ static void summary(const matrix_job *m, double begin)
                 (int)n->files, (double)n->bytes * 1e-6, (int)m->compiled, (int)m->removed, seconds() - begin);
     if (m->verbose && getrusage(RUSAGE_SELF, &used) == 0)
         fprintf(stderr, "shadergen: %d threads, peak memory %ld MB, processor %.1f s\n", m->threads, used.ru_maxrss / 1024,
-                (double)used.ru_utime.tv_sec + (double)used.ru_stime.tv_sec +
+                (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
                 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec));
 }
 
@@ -212,6 +220,7 @@ int matrix(int argc, char **argv)
     map_free(&m.slot_index);
     free(m.slots);
     free(m.state);
+    free(m.manifest);
     pthread_cond_destroy(&m.changed);
     pthread_mutex_destroy(&m.lock);
     return code;

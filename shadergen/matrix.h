@@ -14,6 +14,7 @@ int matrix(int argc, char **argv);
 
 #define VARIANT_PASSES (HBIL_MAX_PASSES + 1) /* stage=fragment has a vertex shader, too */
 #define STATE_FILE     "matrix.state"
+#define MANIFEST_FILE  "manifest.json"
 
 /* Whole numbers by hash. Zero it first. */
 typedef struct map { uint64_t *keys; int32_t *values; int32_t count, room; } map;
@@ -56,7 +57,7 @@ typedef struct matrix_job {
     uint64_t    key;                      /* of all that decides what is made, but the config */
     variants    old;
     map         old_index;                /* config hash -> old */
-    char       *state;                    /* the text of the state: names every file that an earlier run made */
+    char       *state, *manifest;         /* their texts name every file that an earlier run made */
     size_t      state_size;
     /* shared by the workers, under lock */
     pthread_mutex_t lock;
@@ -79,7 +80,7 @@ int    state_read(matrix_job *m);
 int    state_append(matrix_job *m, const variant *v); /* a variant is whole; under lock */
 int    state_print(const matrix_job *m, file *f);
 int    state_clean(matrix_job *m);        /* removes temporary files of a run that was killed */
-int    state_remove_old(matrix_job *m);   /* removes files that the state lists and no variant has */
+int    state_remove_old(matrix_job *m);   /* removes files that state or manifest list and no variant has */
 /* matrix_build.c */
 int    build_all(matrix_job *m);          /* on all threads */
 int32_t slot_of(matrix_job *m, uint64_t key); /* found or made; -1: out of memory. Under lock */

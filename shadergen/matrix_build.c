@@ -169,7 +169,8 @@ static int make_file(worker *w, const source *from, uint64_t key, int32_t *index
             ++m->compiled;
         }
         made = m->slots[*index];
-        if (code == DONE) code = store(m, &made, from, data, size);
+        if (code == DONE) code = m->code != DONE ? m->code : store(m, &made, from, data, size); /* one message is enough */
+        if (m->code == DONE) m->code = code;
         m->slots[*index] = made;
         release(m, *index, code == DONE ? SLOT_GOOD : SLOT_NEW);
     }
@@ -293,7 +294,7 @@ static void *work(void *arg)
         code = make_variant(&w, v);
         pthread_mutex_lock(&m->lock);
         ++m->done;
-        if (code != DONE) m->code = code;
+        if (m->code == DONE) m->code = code;
     }
     --m->running;
     pthread_cond_broadcast(&m->changed);

@@ -100,7 +100,8 @@ int output_manifest(matrix_job *m, file *f)
     if (!distinct_files(m, &list, &count) || !out) { free(list); return no_memory(); }
     m->counts = count_all(m, list, count);
     free(list);
-    fprintf(out, "{\n  \"schema\": %d, \"version\": %d, \"format\": \"%s\",\n", MANIFEST_SCHEMA, HBIL_VERSION, m->spirv ? "spirv" : "glsl");
+    fprintf(out, "{\n  \"schema\": %d, \"version\": %d, \"format\": \"%s\", \"c\": [%s],\n", MANIFEST_SCHEMA, HBIL_VERSION,
+            m->spirv ? "spirv" : "glsl", m->c ? "\"hbil_variants.h\", \"hbil_variants.c\"" : "");
     fprintf(out, "  \"counts\": {\"combinations\": %d, \"refused\": %d, \"equal\": %d, \"variants\": %d, \"passes\": %d, \"files\": %d, "
             "\"bytes\": %" PRIu64 "},\n  \"variants\": [", (int)m->combinations, (int)m->counts.refused, (int)m->equal,
             (int)m->counts.variants, (int)m->counts.passes, (int)m->counts.files, m->counts.bytes);
@@ -116,7 +117,7 @@ int output_manifest(matrix_job *m, file *f)
         put_refused(out, &m->list.items[i]);
     }
     fputs("]\n}\n", out);
-    snprintf(f->path, sizeof f->path, "%smanifest.json", m->folder);
+    snprintf(f->path, sizeof f->path, "%s" MANIFEST_FILE, m->folder);
     return fclose(out) == 0 ? DONE : no_memory();
 }
 

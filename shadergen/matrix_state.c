@@ -1,10 +1,9 @@
 /* matrix_state.c - the journal of a matrix: a line for each variant that is whole. See matrix.h.
  *
  *   <key> <config hash> <count> { <text key> <bytes> <file> } | <facts>
- *   also <file>
  *
  * Appended to while variants are made, written anew at the end. A line that was torn, or whose key is another's, only tells
- * which files are ours to remove. */
+ * which files are ours to remove, as the manifest does. */
 #include "matrix.h"
 
 #include <dirent.h>
@@ -40,7 +39,7 @@ static uint64_t key_of(const matrix_job *m)
         free(data);
     }
     if (f) fclose(f);
-    return ok ? hash_bytes(sum, m->spirv ? "spirv" : "glsl", 4) : 0;
+    return ok && *last ? hash_bytes(sum, m->spirv ? "spirv" : "glsl", 4) : 0;
 }
 
 /* ---------------------------------------------------------------------- names */
@@ -48,7 +47,7 @@ static uint64_t key_of(const matrix_job *m)
 /* Is this name, relative to the folder, one that a run makes? "spirv/march-0123456789abcdef.spv". Nothing else is ever removed. */
 static int is_ours(const char *name)
 {
-    static const char *const tops[] = { "manifest.json", "hbil_variants.h", "hbil_variants.c", STATE_FILE };
+    static const char *const tops[] = { MANIFEST_FILE, STATE_FILE, "hbil_variants.h", "hbil_variants.c" };
     static const char *const ends[] = { ".spv", ".comp", ".frag", ".vert" };
     const char *base = strchr(name, '/');
     size_t i, k, n;
@@ -150,18 +149,27 @@ static int read_line(matrix_job *m, char *at)
     return map_put(&m->old_index, v.hash, m->old.count - 1);
 }
 
+/* A file of an earlier run; none is as good as an empty one. */
+static int read_old(const matrix_job *m, const char *name, char **text, size_t *size)
+{
+    char path[1200];
+    snprintf(path, sizeof path, "%s%s", m->folder, name);
+    *text = read_all(path, size);
+    if (*text) return DONE;
+    *size = 0;
+    if (errno == ENOENT || errno == ENOTDIR) return (*text = strdup("")) != NULL ? DONE : no_memory();
+    fprintf(stderr, "shadergen: cannot read %s: %s\n", path, strerror(errno));
+    return IO;
+}
+
 int state_read(matrix_job *m)
 {
-    char path[1200], *copy, *line, *end;
-    int ok = 1;
+    char *copy, *line, *end;
+    size_t size;
+    int ok = 1, code = read_old(m, STATE_FILE, &m->state, &m->state_size);
+    if (code == DONE) code = read_old(m, MANIFEST_FILE, &m->manifest, &size);
+    if (code != DONE) return code;
     m->key = key_of(m);
-    snprintf(path, sizeof path, "%s" STATE_FILE, m->folder);
-    m->state = read_all(path, &m->state_size);
-    if (!m->state) {
-        if (errno == ENOENT || errno == ENOTDIR) return DONE;
-        fprintf(stderr, "shadergen: cannot read %s: %s\n", path, strerror(errno));
-        return IO;
-    }
     copy = strdup(m->state);
     for (line = copy; ok && copy && (end = strchr(line, '\n')) != NULL; line = end + 1) {
         *end = 0;
@@ -203,9 +211,8 @@ int state_print(const matrix_job *m, file *f)
     FILE *out = open_memstream(&f->data, &f->size);
     int32_t i;
     if (out) {
-        fputs("# What `shadergen matrix` made here, so that its next run need not. Without this file it makes all again, and leaves\n"
-              "# files that it no longer needs. The first word of a line stands for the program that made it.\n", out);
-        if (m->c) fputs("also hbil_variants.h\nalso hbil_variants.c\n", out);
+        fputs("# What shadergen matrix made here, so that its next run need not; without this file it makes all again. A line is a\n"
+              "# variant. Its first word stands for the program that made it: keep this file out of version control.\n", out);
         for (i = 0; i < m->list.count; ++i)
             if (!m->list.items[i].refused) print_variant(out, m, &m->list.items[i]);
     }
@@ -216,7 +223,7 @@ int state_print(const matrix_job *m, file *f)
 /* The names of the files that the variants need. */
 static int wanted_files(const matrix_job *m, map *wanted)
 {
-    static const char *const also[] = { "manifest.json", STATE_FILE, "hbil_variants.h", "hbil_variants.c" };
+    static const char *const also[] = { MANIFEST_FILE, STATE_FILE, "hbil_variants.h", "hbil_variants.c" };
     int32_t i, k;
     for (i = 0; i < (m->c ? 4 : 2); ++i)
         if (!map_put(wanted, hash_bytes(HASH, also[i], strlen(also[i])), 1)) return 0;
@@ -235,22 +242,32 @@ static int exists(const matrix_job *m, const char *name)
     return access(path, F_OK) == 0;
 }
 
-int state_remove_old(matrix_job *m)
+/* Removes what a text of an earlier run names and nobody wants; --check: tells it. */
+static int remove_named(matrix_job *m, char *text, const map *wanted)
 {
-    map wanted = { NULL, NULL, 0, 0 };
     char *name, *rest = NULL;
-    int ok = wanted_files(m, &wanted), one;
-    if (!ok) no_memory();
-    for (name = m->state ? strtok_r(m->state, " \n", &rest) : NULL; name && ok; name = strtok_r(NULL, " \n", &rest)) {
-        if (!is_ours(name) || map_find(&wanted, hash_bytes(HASH, name, strlen(name))) >= 0) continue;
+    for (name = strtok_r(text, " \"\n", &rest); name; name = strtok_r(NULL, " \"\n", &rest)) {
+        int one;
+        if (!is_ours(name) || map_find(wanted, hash_bytes(HASH, name, strlen(name))) >= 0) continue;
         if (m->check) {
             if (exists(m, name)) say_stale(m, name, "no variant has it");
             continue;
         }
         one = remove_in(m, name, "");
-        m->removed += one > 0;
-        ok = one >= 0;
+        if (one < 0) return 0;
+        m->removed += one;
     }
+    return 1;
+}
+
+int state_remove_old(matrix_job *m)
+{
+    map wanted = { NULL, NULL, 0, 0 };
+    char path[1200];
+    int code = wanted_files(m, &wanted) ? DONE : no_memory();
+    if (code == DONE && !(remove_named(m, m->manifest, &wanted) && remove_named(m, m->state, &wanted))) code = IO;
     map_free(&wanted);
-    return ok ? DONE : IO;
+    snprintf(path, sizeof path, "%s%s", m->folder, m->spirv ? "glsl" : "spirv");
+    if (m->removed) rmdir(path); /* the other format's, if it is empty now */
+    return code;
 }
