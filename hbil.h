@@ -24,7 +24,7 @@
  * ======================================================================================================================
  * >>does
  *
- *   DOES       write GLSL for Vulkan and OpenGL; say what to allocate, bind, wait for and dispatch; pack the uniform block;
+ *   DOES       write GLSL for Vulkan, OpenGL and OpenGL ES; say what to allocate, bind, wait for and dispatch; pack the uniform block;
  *              read every depth, clip, projection and normal convention; leave out of the shader what the config does not ask
  *              for; refuse combinations that have no meaning.
  *   DOES NOT   call a GPU, allocate, read files, compile SPIR-V (backends/hbil_glslang.h does), trace rays, or see what is off
@@ -153,14 +153,24 @@
  * ======================================================================================================================
  * >>targets
  *
- *                       vulkan (GLSL 450)        gl (GLSL 430 core)
- *   needs               Vulkan 1.0, no feature   OpenGL 4.3, no extension
- *                       a sweep writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software
- *                       rasterisers stop a shader after 65535 loop iterations: lines up to about 13000 pixels there
- *                       reproject=scatter: imageAtomicMin on r32ui images
- *   storage images      up to 8 in a pass (temporal=yes with all outputs of a bitmask; 3 with the defaults), of which Vulkan guarantees 4, OpenGL 8
- *   tested on           lavapipe (Mesa 22.3)     OSMesa, EGL surfaceless (Mesa 22.3)
- *   real GPU            untested                 untested
+ *                vulkan             gl                 gles                 gl, stage=fragment    gles, stage=fragment
+ *   text         GLSL 450           GLSL 430 core      ESSL 310             GLSL 330 core         ESSL 300
+ *   needs        Vulkan 1.0,        OpenGL 4.3         OpenGL ES 3.1        OpenGL 3.3            OpenGL ES 3.0,
+ *                no feature                                                                       EXT_color_buffer_float
+ *   outputs      storage images, of which a device     the same; made by    render targets, a layer each:
+ *                has at least 4     has at least 8     glTexStorage; 4      8                     4: more is refused
+ *   backend      hbil_vk.h          hbil_gl.h          hbil_gl.h            hbil_gl.h             hbil_gl.h
+ *   tested on    lavapipe           OSMesa, EGL        EGL                  OSMesa                EGL      all Mesa 22.3
+ *   real GPU     untested           untested           untested             untested              untested
+ *
+ *   HLSL and MSL     shadergen makes them from the text for vulkan; hbil_plan_register tells where they bind.
+ *   stage=fragment   a pass draws the three vertices of hbil_emit_vertex over its targets: bindings that are written, a location for each
+ *                    layer, viewport hbil_dispatch.groups. No blending, no tests, no depth. Samplers and the block HbilFrame go by their
+ *                    names. Not with march=sweep or both, reproject=scatter. Same numbers as compute shaders.
+ *   march=sweep      writes r32ui images of 2 * slices layers and reads its own texels back. Mesa's software rasterisers stop a shader
+ *                    after 65535 loop iterations: lines up to about 13000 pixels there.
+ *   reproject=scatter imageAtomicMin on r32ui images; in ES 3.1 GL_OES_shader_image_atomic.
+ *   temporal=yes     with all outputs of a bitmask writes 8 images in a pass, 3 with the defaults.
  */
 
 /* ======================================================================
@@ -557,6 +567,10 @@ HBIL_API hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, 
 /* Index of a texture or pass by name, -1 if the plan has none. */
 HBIL_API int32_t     hbil_plan_texture(const hbil_plan *plan, const char *name);
 HBIL_API int32_t     hbil_plan_pass(const hbil_plan *plan, const char *name);
+/* Number of a binding among those of its pass with the same access: the register t (SAMPLE) or u (WRITE) of HLSL, and what target=gl
+ * calls its unit. The uniform block is b0. MSL: texture(i) for the i-th binding, buffer(0). Samplers, of CUBE and 3D: s and sampler()
+ * with the number of their t. -1 outside. */
+HBIL_API int32_t     hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding);
 /* Size in texels of mip 0 at render size width x height, each in [1, 16384]. */
 HBIL_API hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t width, uint32_t height, uint32_t out[2]);
 /* Bytes of TRANSIENT and HISTORY textures without aliasing; 0 on a bad argument. */
@@ -6108,6 +6122,13 @@ static void hbil__json_pass(hbil__sink *s, const hbil_plan *p, const hbil_pass *
         hbil__json_int(s, "age", bind->age, 0);
         hbil__json_int(s, "mip", bind->mip, 0);
         hbil__json_text(s, "role", hbil__role_names[bind->role], 0);
+        if (p->config.target == HBIL_TARGET_VULKAN) { /* what HLSL and MSL are made from */
+            hbil__puts(s, bind->access == HBIL_ACCESS_SAMPLE ? ", \"hlsl\": \"t" : ", \"hlsl\": \"u");
+            hbil__put_int(s, hbil_plan_register(p, (int32_t)(pass - p->passes), (int32_t)b));
+            hbil__puts(s, "\", \"msl\": \"texture(");
+            hbil__put_int(s, b);
+            hbil__puts(s, ")\"");
+        }
         hbil__puts(s, "}");
     }
     hbil__puts(s, "],\n     \"barriers\": [");
@@ -6680,6 +6701,17 @@ int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
     for (i = 0; i < plan->texture_count && i < HBIL_MAX_TEXTURES; ++i)
         if (strcmp(plan->textures[i].name, name) == 0) return (int32_t)i;
     return -1;
+}
+
+int32_t hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding)
+{
+    const hbil_pass *p;
+    int32_t i, n = 0;
+    if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count) return -1;
+    p = &plan->passes[pass];
+    if (binding < 0 || binding >= p->binding_count) return -1;
+    for (i = 0; i < binding; ++i) n += p->bindings[i].access == p->bindings[binding].access;
+    return n;
 }
 
 int32_t hbil_plan_pass(const hbil_plan *plan, const char *name)

@@ -3,6 +3,7 @@
 #
 #   sh packages.sh build     what shadergen and hbil-frame need, drivers included
 #   sh packages.sh test      that, and what the tests need
+#   sh packages.sh blender   Blender with Cycles, about 600 MB: for examples/blender; its test is skipped without it
 #
 # Says what it installs; does nothing, and needs no rights, where nothing is lacking. Where dpkg and apt-get are missing it
 # prints the list and succeeds: the build will name what it does not find.
@@ -10,19 +11,22 @@ set -eu
 
 # cmake runs ninja and, for the libraries, pkg-config; glslang's archives are C++, so g++ even for C programs.
 build='cmake ninja-build pkg-config gcc g++ libc6-dev'
-# text to SPIR-V, images, JSON, rays
-build="$build glslang-dev spirv-tools libopenexr-dev libcjson-dev libstb-dev libembree-dev"
+# text to SPIR-V, to HLSL and MSL, images, JSON, rays
+build="$build glslang-dev spirv-tools spirv-headers libspirv-cross-c-shared-dev libopenexr-dev libcjson-dev libstb-dev libembree-dev"
 # Vulkan: headers, loader, meta loader, software driver
 build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 # GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver
 build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
-# a second compiler, the test runner, validation, translation to HLSL and MSL, locales with a decimal comma, GLFW beside hbil.h
-test='clang libcmocka-dev vulkan-validationlayers libspirv-cross-c-shared-dev locales libglfw3-dev'
+# a second compiler, the test runner, validation, locales with a decimal comma, GLFW beside hbil.h
+test='clang libcmocka-dev vulkan-validationlayers locales libglfw3-dev'
+# hbil-viewer, and a display for its test
+test="$test libassimp-dev xvfb xauth"
 
 case "${1-}" in
     build) wanted=$build ;;
     test)  wanted="$build $test" ;;
-    *)     echo "usage: sh packages.sh build|test" >&2; exit 2 ;;
+    blender) wanted=blender ;;
+    *)     echo "usage: sh packages.sh build|test|blender" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

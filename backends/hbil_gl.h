@@ -429,6 +429,7 @@ static hbil_gl_result hbil_gl__check_version(hbil_gl *ctx)
     if (es != ctx->es || number[0] < '0' || number[0] > '9')
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not %s: ask for %s %s%s, or build the plan with "
                              "target=%s", version, kind, ctx->es ? kind : "OpenGL", need, ctx->es ? "" : " core", es ? "gles" : "gl");
+    if (es && number[0] == '3' && number[2] == '0') ctx->gl.getTexLevelParameteriv = NULL; /* some loaders know it, but it is of 3.1 */
     if (number[0] < need[0] || (number[0] == need[0] && number[2] < need[2]))
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", %s need %s: ask for a %s%s context when you "
                              "create it, or update the driver%s", version, ctx->draws ? "these shaders" : "compute shaders", need,
@@ -826,7 +827,7 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
 static void hbil_gl__save_draw(const hbil_gl *ctx, hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
     gl->getIntegerv(HBIL_GL__DRAW_FRAMEBUFFER_BINDING, &s->framebuffer);
     gl->getIntegerv(HBIL_GL__VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->getIntegerv(HBIL_GL__VIEWPORT, s->viewport);
@@ -846,7 +847,7 @@ static void hbil_gl__save_draw(const hbil_gl *ctx, hbil_gl__state *s)
 static void hbil_gl__begin_draw(const hbil_gl *ctx)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
     gl->bindVertexArray(ctx->vertex_array);
     if (!ctx->es) gl->polygonMode(HBIL_GL__FRONT_AND_BACK, HBIL_GL__FILL);
     for (i = 0; i < count; ++i) gl->disable(hbil_gl__capabilities[i]);
@@ -857,7 +858,7 @@ static void hbil_gl__begin_draw(const hbil_gl *ctx)
 static void hbil_gl__restore_draw(const hbil_gl *ctx, const hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
     gl->bindFramebuffer(HBIL_GL__DRAW_FRAMEBUFFER, (unsigned)s->framebuffer);
     gl->bindVertexArray((unsigned)s->vertex_array);
     gl->viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);

@@ -8,7 +8,7 @@
  * last. Both count, so they pair up beside another user of glslang; neither may run at the same time as any other call.
  *
  * [x] Vulkan 1.1, SPIR-V 1.3             [x] any number of threads compile at once
- * [x] OpenGL and ES, for checks only     [ ] optimiser, debug info: spirv-opt and glslangValidator -g do it better
+ * [x] OpenGL and ES, for checks only     [x] spirv-opt's passes for size   [ ] debug info: glslangValidator -g
  *
  * OWNERSHIP  text, words, log: yours, not kept. Everything made inside a call is freed before it returns.
  *
@@ -20,7 +20,7 @@
  *   5. hbil_glslang_shutdown() at the end.
  *
  * CHANGELOG
- *   2026-11  NEW first version. */
+ *   2026-11  NEW first version, hbil_glslang_optimize. */
 #ifndef HBIL_GLSLANG_H
 #define HBIL_GLSLANG_H
 
@@ -49,6 +49,9 @@ void hbil_glslang_shutdown(void);
  * log (may be NULL if log_cap is 0) is always terminated: glslang's messages, "ERROR: 0:<line>: ...", cut to fit. */
 hbil_glslang_result hbil_glslang_compile(const char *text, hbil_target target, uint32_t *words, size_t cap_words,
                                          size_t *need_words, char *log, size_t log_cap);
+/* The same, then spirv-opt's passes for size: calls inlined, variables in SSA form, dead code gone, names kept. */
+hbil_glslang_result hbil_glslang_optimize(const char *text, hbil_target target, uint32_t *words, size_t cap_words,
+                                          size_t *need_words, char *log, size_t log_cap);
 
 #ifdef __cplusplus
 }
@@ -101,8 +104,8 @@ static glslang_input_t hbil_glslang__input(const char *text, hbil_target target)
 }
 
 /* Parse, link and translate; the words stay in the program. */
-static int hbil_glslang__build(glslang_shader_t *shader, glslang_program_t *program, const glslang_input_t *in, char *log,
-                               size_t log_cap)
+static int hbil_glslang__build(glslang_shader_t *shader, glslang_program_t *program, const glslang_input_t *in,
+                               int optimize, char *log, size_t log_cap)
 {
     /* stage=fragment leaves bindings to their names */
     if (in->stage != GLSLANG_STAGE_COMPUTE)
@@ -116,14 +119,15 @@ static int hbil_glslang__build(glslang_shader_t *shader, glslang_program_t *prog
     if (!linked || in->target_language == GLSLANG_TARGET_NONE) return linked;
     glslang_spv_options_t options;
     memset(&options, 0, sizeof options);
-    options.disable_optimizer = true;
+    options.disable_optimizer = !optimize;
+    options.optimize_size = optimize != 0;
     glslang_program_SPIRV_generate_with_options(program, in->stage, &options);
     hbil_glslang__log(log, log_cap, glslang_program_SPIRV_get_messages(program));
     return glslang_program_SPIRV_get_size(program) != 0;
 }
 
-hbil_glslang_result hbil_glslang_compile(const char *text, hbil_target target, uint32_t *words, size_t cap_words,
-                                         size_t *need_words, char *log, size_t log_cap)
+static hbil_glslang_result hbil_glslang__words(const char *text, hbil_target target, int optimize, uint32_t *words,
+                                               size_t cap_words, size_t *need_words, char *log, size_t log_cap)
 {
     if (log == NULL && log_cap > 0) return HBIL_GLSLANG_E_ARG;
     if (log_cap > 0) log[0] = '\0';
@@ -135,7 +139,7 @@ hbil_glslang_result hbil_glslang_compile(const char *text, hbil_target target, u
     glslang_shader_t *shader = glslang_shader_create(&in);
     glslang_program_t *program = glslang_program_create();
     hbil_glslang_result result = HBIL_GLSLANG_E_COMPILE;
-    if (shader != NULL && program != NULL && hbil_glslang__build(shader, program, &in, log, log_cap)) {
+    if (shader != NULL && program != NULL && hbil_glslang__build(shader, program, &in, optimize, log, log_cap)) {
         const size_t need = hbil_glslang__has_spirv(text) ? glslang_program_SPIRV_get_size(program) : 0;
         if (need_words != NULL) *need_words = need;
         result = need <= cap_words ? HBIL_GLSLANG_OK : HBIL_GLSLANG_E_SPACE;
@@ -146,6 +150,18 @@ hbil_glslang_result hbil_glslang_compile(const char *text, hbil_target target, u
     if (program != NULL) glslang_program_delete(program);
     if (shader != NULL) glslang_shader_delete(shader);
     return result;
+}
+
+hbil_glslang_result hbil_glslang_compile(const char *text, hbil_target target, uint32_t *words, size_t cap_words,
+                                         size_t *need_words, char *log, size_t log_cap)
+{
+    return hbil_glslang__words(text, target, 0, words, cap_words, need_words, log, log_cap);
+}
+
+hbil_glslang_result hbil_glslang_optimize(const char *text, hbil_target target, uint32_t *words, size_t cap_words,
+                                          size_t *need_words, char *log, size_t log_cap)
+{
+    return hbil_glslang__words(text, target, 1, words, cap_words, need_words, log, log_cap);
 }
 
 #endif /* HBIL_GLSLANG_IMPLEMENTED */

@@ -11,15 +11,6 @@
 
 #define WORDS_MAX 65536 /* SPIR-V words of one pass */
 
-void print_diags(const hbil_diags *diags, const char *where, int verbose)
-{
-    int i, n = diags->count < diags->capacity ? diags->count : diags->capacity;
-    for (i = 0; i < n; ++i)
-        if (verbose || diags->items[i].severity != HBIL_NOTE)
-            fprintf(stderr, "shadergen: %s%s%s\n", where, *where ? ": " : "", diags->items[i].text);
-    if (diags->count > n) fprintf(stderr, "shadergen: and %d more\n", diags->count - n);
-}
-
 static char compiler_log[8192];
 
 static hbil_glslang_result compile(const char *text, hbil_target target, file *f)
@@ -89,26 +80,50 @@ static int refused(const hbil_plan *plan, int32_t pass, const hook_file *hook)
     return CONFIG;
 }
 
-int build_pass(const hbil_plan *plan, int32_t pass, int spirv, const hook_file *hook, file *f)
+const char *language_suffix(const hbil_plan *plan, language l)
+{
+    static const char *const suffixes[] = { ".comp", ".spv", ".hlsl", ".hlsl", ".metal" };
+    return l == GLSL && plan->config.stage == HBIL_STAGE_FRAGMENT ? ".frag" : suffixes[l];
+}
+
+/* GLSL in f becomes words, or what SPIRV-Cross makes of them. */
+static int translate(const hbil_plan *plan, int32_t pass, language l, const hook_file *hook, file *f)
+{
+    file words = { "", NULL, 0 };
+    int code = DONE;
+    if (compile(f->data, (hbil_target)plan->config.target, &words) != HBIL_GLSLANG_OK) return refused(plan, pass, hook);
+    free(f->data);
+    f->data = words.data;
+    f->size = words.size;
+    if (l == SPIRV) return DONE;
+    f->data = build_cross(plan, pass, l, (const uint32_t *)(void *)words.data, words.size / sizeof(uint32_t), &f->size);
+    if (!f->data) code = COMPILER;
+    free(words.data);
+    return code;
+}
+
+int build_pass(const hbil_plan *plan, int32_t pass, language l, const hook_file *hook, file *f)
 {
     hbil_diag items[4];
     hbil_diags diags = { items, 4, 0 };
-    size_t size;
-    int code = DONE;
-    char *text = build_glsl(plan, pass, hook->text, &size, &diags);
-    if (!text) {
-        print_diags(&diags, hook->path ? hook->path : "", 1);
+    f->data = build_glsl(plan, pass, hook->text, &f->size, &diags);
+    if (!f->data) {
+        int i;
+        for (i = 0; i < diags.count && i < diags.capacity; ++i)
+            fprintf(stderr, "shadergen: %s%s%s\n", hook->path ? hook->path : "", hook->path ? ": " : "", items[i].text);
         if (!diags.count) fprintf(stderr, "shadergen: out of memory\n");
         return diags.count ? CONFIG : IO;
     }
-    if (spirv) {
-        if (compile(text, (hbil_target)plan->config.target, f) != HBIL_GLSLANG_OK) code = refused(plan, pass, hook);
-        free(text);
-    } else {
-        f->data = text;
-        f->size = size;
-    }
-    return code;
+    return l == GLSL ? DONE : translate(plan, pass, l, hook, f);
+}
+
+int build_vertex(const hbil_plan *plan, file *f)
+{
+    size_t need = 0;
+    hbil_emit_vertex(plan, NULL, 0, &need);
+    f->data = (char *)malloc(need);
+    f->size = need - 1;
+    return f->data && hbil_emit_vertex(plan, f->data, need, NULL) == HBIL_OK ? DONE : IO;
 }
 
 int build_manifest(const hbil_plan *plan, file *f)

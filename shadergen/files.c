@@ -121,6 +121,7 @@ int files_write(files *list, int *stale)
     if (stale) *stale = 0;
     for (made = 0; made < list->count && bad < 0; ++made) {
         changed[made] = (char)!same_on_disk(&list->items[made]);
+        if (stale && changed[made]) fprintf(stderr, "shadergen: %s is not up to date\n", list->items[made].path);
         if (stale) *stale += changed[made];
         else if (changed[made] && !write_one(&list->items[made])) { bad = made; changed[made] = 0; }
     }

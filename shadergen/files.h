@@ -21,7 +21,8 @@ int   file_place(file *f, const char *path, const char *name, const char *suffix
 /* Make the folders of a path, as mkdir -p; the path ends with /. 0: errno says why, said on stderr. */
 int   folder_make(const char *path);
 /* Write what differs from what is there: all temporary files first, then all renames. A full disk, or a folder in the way,
- * leaves every old file as it was. stale: NULL; or the number of files that differ, and nothing is written. 0: said on stderr. */
+ * leaves every old file as it was. stale: NULL; or it gets the number of
+ * files that differ, each said on stderr, and nothing is written. 0: said on stderr. */
 int   files_write(files *list, int *stale);
 
 #endif

@@ -15,12 +15,12 @@ static int help(void)
 {
     fputs("shadergen matrix - builds all combinations of lists of values\n\n"
           "usage: shadergen matrix FILE -o DIR [options]\n\n"
-          "FILE, or - for standard input: the options of a config, a list of values each. All combinations are variants:\n"
+          "FILE, or - for standard input: options of a config, a list of values each. All combinations are variants:\n"
           "  preset  = fast, balanced      # the base, if any\n"
           "  outputs = ao, ao+near\n"
           "  slices  = 1, 2, 4\n"
-          "Combinations that mean nothing are refused; the manifest tells why. Those that resolve to the same config are one\n"
-          "variant. Equal shaders are one file.\n\n"
+          "Combinations that mean nothing are refused; the manifest tells why. Those that resolve to the same config\n"
+          "are one variant. Equal shaders are one file.\n\n"
           "DIR, made if need be:\n"
           "  spirv/PASS-HASH.spv     SPIR-V, named by its bytes; or glsl/PASS-HASH.comp, .frag, .vert\n"
           "  manifest.json           each variant: its config, hash and files; what was refused\n"
@@ -35,7 +35,7 @@ static int help(void)
           "  -q                      no progress, no summary\n"
           "  -v                      also what was refused, and the memory that it took\n"
           "  -h, --help\n\n"
-          "A run that was interrupted goes on where it was. Files of earlier runs that no variant needs are removed.\n\n"
+          "An interrupted run goes on where it was. Files of earlier runs that no variant needs are removed.\n\n"
           "exit: 0 done, 1 FILE is wrong or all is refused, 2 wrong usage, 3 cannot read or write,\n"
           "      4 glslang refused our text, 5 --check found something stale\n", stdout);
     return DONE;
@@ -117,9 +117,12 @@ static void print_refused(const matrix_job *m)
     int32_t i;
     for (i = 0; i < m->list.count; ++i) {
         char config[4096] = "";
+        const char *at;
         if (!m->list.items[i].refused) continue;
         hbil_config_print(&m->list.items[i].config, 0, config, sizeof config, NULL);
-        fprintf(stderr, "shadergen: refused: %s: %s\n", config, m->list.items[i].refused);
+        fprintf(stderr, "shadergen: refused: %s\n", config);
+        for (at = m->list.items[i].refused; *at; at += strcspn(at, "\n"), at += *at == '\n')
+            fprintf(stderr, "    %.*s\n", (int)strcspn(at, "\n"), at);
     }
 }
 
@@ -134,29 +137,18 @@ static int all_refused(const matrix_job *m)
     return 1;
 }
 
-static int write_outputs(matrix_job *m, files *outputs)
-{
-    int i, differs;
-    if (!m->check) return files_write(outputs, NULL) ? DONE : IO;
-    for (i = 0; i < outputs->count; ++i) {
-        files one = { &outputs->items[i], 1, 1 };
-        if (!files_write(&one, &differs)) return IO;
-        if (differs) say_stale(m, one.items->path + strlen(m->folder), "is missing or not what would be made");
-    }
-    return DONE;
-}
-
 /* manifest, C and state: all or none. Then what is left over goes. */
 static int finish(matrix_job *m)
 {
     files outputs = { NULL, 0, 0 };
     file *f = files_add(&outputs);
-    int code = f ? output_manifest(m, f) : no_memory();
+    int differs = 0, code = f ? output_manifest(m, f) : no_memory();
     if (code == DONE && m->c && !m->stale) /* --check may lack what C is made from */
         code = files_add(&outputs) && (f = files_add(&outputs)) != NULL ? output_c(m, f - 1, f) : no_memory();
     if (code == DONE && !m->check)
         code = (f = files_add(&outputs)) != NULL ? state_print(m, f) : no_memory();
-    if (code == DONE) code = write_outputs(m, &outputs);
+    if (code == DONE && !files_write(&outputs, m->check ? &differs : NULL)) code = IO;
+    m->stale += differs;
     files_free(&outputs);
     return code == DONE ? state_remove_old(m) : code;
 }
@@ -168,11 +160,12 @@ static void summary(const matrix_job *m, double begin)
     if (m->verbose) print_refused(m);
     if (!m->quiet)
         fprintf(stderr, "shadergen: %d variants of %d combinations, %d refused, %d equal to others; %d files, %.1f MB; "
-                "%d compiled, %d removed; %.1f s\n", (int)n->variants, (int)m->combinations, (int)n->refused, (int)m->equal,
-                (int)n->files, (double)n->bytes * 1e-6, (int)m->compiled, (int)m->removed, seconds() - begin);
+                "%d compiled, %d removed; %.1f s\n", (int)n->variants, (int)m->combinations, (int)n->refused,
+                (int)m->equal, (int)n->files, (double)n->bytes * 1e-6, (int)m->compiled, (int)m->removed,
+                seconds() - begin);
     if (m->verbose && getrusage(RUSAGE_SELF, &used) == 0)
-        fprintf(stderr, "shadergen: %d threads, peak memory %ld MB, processor %.1f s\n", m->threads, used.ru_maxrss / 1024,
-                (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+        fprintf(stderr, "shadergen: %d threads, peak memory %ld MB, processor %.1f s\n", m->threads,
+                used.ru_maxrss / 1024, (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
                 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec));
 }
 
@@ -190,7 +183,7 @@ static int run(matrix_job *m)
     if (code != DONE) return code;
     summary(m, begin);
     if (!m->stale) return DONE;
-    fprintf(stderr, "shadergen: %d files of %s are stale; run it without --check\n", (int)m->stale, m->folder);
+    fprintf(stderr, "shadergen: %d files in %s are not up to date; run it without --check\n", (int)m->stale, m->folder);
     return STALE;
 }
 

@@ -24,7 +24,8 @@ void     map_free(map *m);
 uint64_t hash_bytes(uint64_t hash, const void *data, size_t size); /* FNV-1a; begin with HASH */
 #define HASH 14695981039346656037u
 
-/* A text and the file that holds it or its words. Texts are equal if their code is, whatever their head comments say. */
+/* A text and the file that holds its words. Texts are equal if their code is, whatever the comments at their head say;
+ * with --format glsl the file holds the text, and all of it counts. */
 typedef enum slot_status { SLOT_NEW, SLOT_LISTED, SLOT_BUSY, SLOT_GOOD } slot_status;
 typedef struct slot {
     uint64_t    key;        /* of the text */
@@ -85,7 +86,7 @@ int    state_remove_old(matrix_job *m);   /* removes files that state or manifes
 int    build_all(matrix_job *m);          /* on all threads */
 int32_t slot_of(matrix_job *m, uint64_t key); /* found or made; -1: out of memory. Under lock */
 void   progress(const matrix_job *m, const char *what, int32_t done, int32_t all);
-void   say_stale(matrix_job *m, const char *name, const char *what); /* --check; under lock while workers run */
+void   say_stale(matrix_job *m, const char *name, const char *what); /* of --check; under lock */
 int    name_of(const slot *s);            /* letters of the pass's name, which begin at slot_name */
 const char *slot_name(const slot *s);
 /* matrix_output.c */

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #define WORDS_MAX 65536 /* SPIR-V words of one pass */
-#define STALE_SHOWN 10
 
 /* A text on its way into its slot. */
 typedef struct source { const char *pass, *suffix, *text, *config; size_t size; hbil_target target; } source;
@@ -26,8 +25,8 @@ double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* On a terminal one line, written over and over, else a line every two seconds. `done` is 0 at the begin. Main thread only. The
- * cursor stays at the begin of the line, so that a message takes its place. */
+/* On a terminal one line, written over and over, else a line every two seconds. `done` is 0 at the begin. Main thread
+ * only. The cursor stays at the begin of the line, so that a message takes its place. */
 void progress(const matrix_job *m, const char *what, int32_t done, int32_t all)
 {
     static const char hashes[] = "##############################", dots[] = "..............................";
@@ -47,7 +46,8 @@ void progress(const matrix_job *m, const char *what, int32_t done, int32_t all)
 
 void say_stale(matrix_job *m, const char *name, const char *what)
 {
-    if (m->stale++ < STALE_SHOWN) fprintf(stderr, "shadergen: stale: %s%s: %s\n", m->folder, name, what);
+    ++m->stale;
+    fprintf(stderr, "shadergen: %s%s %s\n", m->folder, name, what);
 }
 
 /* ---------------------------------------------------------------------- slots */
@@ -93,7 +93,7 @@ static int store(matrix_job *m, slot *s, const source *from, const void *data, s
     file *f = files_add(&one);
     int ok = 0, differs = 0;
     snprintf(s->file, sizeof s->file, "%s%s-%016" PRIx64 "%s", m->spirv ? "spirv/" : "glsl/", from->pass,
-             hash_bytes(HASH, data, size), m->spirv ? ".spv" : from->suffix);
+             hash_bytes(HASH, data, size), from->suffix);
     s->bytes = size;
     if (f) f->data = (char *)malloc(size + 1);
     if (f && f->data) {
@@ -104,7 +104,7 @@ static int store(matrix_job *m, slot *s, const source *from, const void *data, s
     } else {
         fprintf(stderr, "shadergen: out of memory\n");
     }
-    if (differs) say_stale(m, s->file, "is missing or not what would be made");
+    m->stale += differs;
     files_free(&one);
     return ok ? DONE : IO;
 }
@@ -113,10 +113,11 @@ static int store(matrix_job *m, slot *s, const source *from, const void *data, s
 static int translate(worker *w, const source *from, size_t *size)
 {
     size_t count = 0;
-    hbil_glslang_result r = hbil_glslang_compile(from->text, from->target, w->words, WORDS_MAX, &count, w->log, sizeof w->log);
+    const int ok = hbil_glslang_compile(from->text, from->target, w->words, WORDS_MAX, &count, w->log, sizeof w->log)
+                 == HBIL_GLSLANG_OK;
     *size = count * sizeof *w->words;
-    if (r == HBIL_GLSLANG_OK && count) return DONE;
-    fprintf(stderr, "shadergen: glslang refused pass %s of the config: %s; please report this with that config:\n%s\n", from->pass,
+    if (ok && count) return DONE;
+    fprintf(stderr, "shadergen: glslang refused pass %s of a config; please report this with it: %s\n%s\n", from->pass,
             from->config, w->log);
     return COMPILER;
 }
@@ -133,7 +134,7 @@ static int acquire(matrix_job *m, int32_t index)
         pthread_mutex_unlock(&m->lock);
         whole = is_whole(m, &copy);
         pthread_mutex_lock(&m->lock);
-        if (!whole && m->check) say_stale(m, copy.file, "is missing or damaged");
+        if (!whole && m->check) say_stale(m, copy.file, "is not up to date");
         if (whole || m->check) {
             m->slots[index].status = SLOT_GOOD;
             pthread_cond_broadcast(&m->changed);
@@ -169,7 +170,8 @@ static int make_file(worker *w, const source *from, uint64_t key, int32_t *index
             ++m->compiled;
         }
         made = m->slots[*index];
-        if (code == DONE) code = m->code != DONE ? m->code : store(m, &made, from, data, size); /* one message is enough */
+        if (code == DONE) code = m->code; /* of another thread: its message is enough */
+        if (code == DONE) code = store(m, &made, from, data, size);
         if (m->code == DONE) m->code = code;
         m->slots[*index] = made;
         release(m, *index, code == DONE ? SLOT_GOOD : SLOT_NEW);
@@ -191,8 +193,10 @@ static char *behind_head(char *text)
 /* A text that several configs share must not name one of them: cuts the line out that does. */
 static void cut_rebuild(char *text)
 {
-    char *at = strstr(text, "\n// rebuild ");
-    if (at && at < behind_head(text)) memmove(at, at + 1 + strcspn(at + 1, "\n"), strlen(at + 1 + strcspn(at + 1, "\n")) + 1);
+    char *at = strstr(text, "\n// rebuild "), *end;
+    if (!at || at >= behind_head(text)) return;
+    end = at + 1 + strcspn(at + 1, "\n");
+    memmove(at, end, strlen(end) + 1);
 }
 
 /* Takes up one text of a variant; text: malloc'd, NULL if there was no memory for it. */
@@ -216,17 +220,8 @@ static int make_pass(worker *w, variant *v, const char *pass, const char *suffix
     return result;
 }
 
-static char *vertex_text(const hbil_plan *plan)
-{
-    size_t need = 0;
-    char *text = NULL;
-    if (hbil_emit_vertex(plan, NULL, 0, &need) == HBIL_E_SPACE) text = (char *)malloc(need);
-    if (text) hbil_emit_vertex(plan, text, need, NULL);
-    return text;
-}
-
-/* What the manifest says of a variant beside its files: whatever follows from its plan and takes time, since the state keeps it.
- * Members of a JSON object. */
+/* What the manifest says of a variant beside its files, as members of a JSON object. It follows from the plan alone and
+ * may take its time: the state keeps it. */
 static char *facts_of(const hbil_plan *plan)
 {
     char *text = (char *)malloc(64);
@@ -269,10 +264,13 @@ static int make_variant(worker *w, variant *v)
     }
     hbil_config_print(&v->config, 0, config, sizeof config, NULL);
     for (i = 0; i < (int32_t)plan.pass_count && code == DONE; ++i)
-        code = make_pass(w, v, plan.passes[i].name, plan.config.stage == HBIL_STAGE_FRAGMENT ? ".frag" : ".comp",
+        code = make_pass(w, v, plan.passes[i].name, language_suffix(&plan, m->spirv ? SPIRV : GLSL),
                          build_glsl(&plan, i, NULL, &size, NULL), config);
-    if (code == DONE && plan.config.stage == HBIL_STAGE_FRAGMENT)
-        code = make_pass(w, v, "vertex", ".vert", vertex_text(&plan), config);
+    if (code == DONE && plan.config.stage == HBIL_STAGE_FRAGMENT) {
+        file vertex = { "", NULL, 0 };
+        build_vertex(&plan, &vertex);
+        code = make_pass(w, v, "vertex", m->spirv ? ".spv" : ".vert", vertex.data, config);
+    }
     if (code == DONE && !(v->facts = facts_of(&plan))) code = no_memory();
     if (code != DONE || m->check) return code;
     pthread_mutex_lock(&m->lock);

@@ -190,8 +190,8 @@ static void take_value(reader *r, axis *a)
     check_value(r, a, a->values[a->count++]);
 }
 
-/* Behind a value: steps over the comma if the list goes on. It does not where that stands before another name =, or at the end
- * of the line. */
+/* Behind a value: steps over the comma if the list goes on. It does not where that stands before another name =, or at
+ * the end of the line. */
 static int more_values(reader *r)
 {
     const char *comma = r->at;
@@ -215,7 +215,8 @@ static void take_axis(reader *r)
     if (!more) { r->failed = 1; return; }
     r->axes = more;
     if (*r->at != '=' || !size) {
-        fault(r, "%.*s: expected name = value, value, ...; values are parted by commas", (int)(size < 40 ? size : 40), from);
+        fault(r, "%.*s: expected name = value, value, ...; values are parted by commas", size < 40 ? (int)size : 40,
+              from);
         r->at += *r->at == '=';
         return;
     }
@@ -304,7 +305,7 @@ static const char *unfit(const matrix_job *m, const hbil_config *c)
         return "environment=hook: its text would be yours, and the hash of a config does not know it; build it by "
                "shadergen --hook FILE, or set environment=none";
     if (m->spirv && c->stage == HBIL_STAGE_FRAGMENT && c->target == HBIL_TARGET_GLES)
-        return "stage=fragment with target=gles is ESSL 3.00, for which there is no SPIR-V; take --format glsl, or set target=gl";
+        return "stage=fragment: ESSL 3.00 has no SPIR-V; take --format glsl, or set stage=compute";
     return NULL;
 }
 
@@ -341,8 +342,8 @@ static int multiply(matrix_job *m, const reader *r)
     int i, code = DONE;
     for (i = 0; i < r->count && all <= COMBINATIONS_MAX; ++i) all *= r->axes[i].count;
     if (all > COMBINATIONS_MAX) {
-        fprintf(stderr, "shadergen: %s: the product of its lists exceeds %d combinations; shorten or split it\n", r->path,
-                COMBINATIONS_MAX);
+        fprintf(stderr, "shadergen: %s: the product of its lists exceeds %d combinations; shorten or split it\n",
+                r->path, COMBINATIONS_MAX);
         return CONFIG;
     }
     m->combinations = (int32_t)all;

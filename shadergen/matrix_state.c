@@ -2,8 +2,8 @@
  *
  *   <key> <config hash> <count> { <text key> <bytes> <file> } | <facts>
  *
- * Appended to while variants are made, written anew at the end. A line that was torn, or whose key is another's, only tells
- * which files are ours to remove, as the manifest does. */
+ * Appended to while variants are made, written anew at the end. A line that was torn, or whose key is another's, only
+ * tells which files are ours to remove, as the manifest does. */
 #include "matrix.h"
 
 #include <dirent.h>
@@ -19,8 +19,8 @@ static const char *const folders[] = { "", "spirv/", "glsl/" };
 
 /* ---------------------------------------------------------------------- key */
 
-/* Whatever may change what is made: this program and its libraries, glslang among them, byte by byte, and the format. Where the
- * system does not tell them it is 0, which fits no line: then all is made again. */
+/* Whatever may change what is made: this program and its libraries, glslang among them, byte by byte, and the format.
+ * Where the system does not tell them it is 0, which fits no line: then all is made again. */
 static uint64_t key_of(const matrix_job *m)
 {
     uint64_t sum = STATE_SCHEMA;
@@ -44,7 +44,8 @@ static uint64_t key_of(const matrix_job *m)
 
 /* ---------------------------------------------------------------------- names */
 
-/* Is this name, relative to the folder, one that a run makes? "spirv/march-0123456789abcdef.spv". Nothing else is ever removed. */
+/* Is this name, relative to the folder, one that a run makes? As "spirv/march-0123456789abcdef.spv". Nothing else is
+ * ever removed. */
 static int is_ours(const char *name)
 {
     static const char *const tops[] = { MANIFEST_FILE, STATE_FILE, "hbil_variants.h", "hbil_variants.c" };
@@ -60,7 +61,8 @@ static int is_ours(const char *name)
     for (i = 1; i < sizeof folders / sizeof *folders; ++i)
         if (strlen(folders[i]) == n && strncmp(name, folders[i], n) == 0) break;
     k = strspn(base, "abcdefghijklmnopqrstuvwxyz0123456789_");
-    if (i == sizeof folders / sizeof *folders || k == 0 || base[k] != '-' || strspn(base + k + 1, "0123456789abcdef") != 16) return 0;
+    if (i == sizeof folders / sizeof *folders || k == 0 || base[k] != '-') return 0;
+    if (strspn(base + k + 1, "0123456789abcdef") != 16) return 0;
     for (i = 0; i < sizeof ends / sizeof *ends; ++i)
         if (strcmp(base + k + 17, ends[i]) == 0) return 1;
     return 0;
@@ -131,7 +133,8 @@ static int read_line(matrix_job *m, char *at)
     for (i = 0; i < (int32_t)count; ++i) {
         uint64_t text, bytes;
         slot *s;
-        if (!number(&at, 16, &text) || !number(&at, 10, &bytes) || !(name = word(&at)) || !strchr(name, '/') || !is_ours(name)) return 1;
+        if (!number(&at, 16, &text) || !number(&at, 10, &bytes)) return 1;
+        if (!(name = word(&at)) || !strchr(name, '/') || !is_ours(name)) return 1;
         v.slots[v.count] = slot_of(m, text);
         if (v.slots[v.count] < 0) return 0;
         s = &m->slots[v.slots[v.count++]];
@@ -211,8 +214,8 @@ int state_print(const matrix_job *m, file *f)
     FILE *out = open_memstream(&f->data, &f->size);
     int32_t i;
     if (out) {
-        fputs("# What shadergen matrix made here, so that its next run need not; without this file it makes all again. A line is a\n"
-              "# variant. Its first word stands for the program that made it: keep this file out of version control.\n", out);
+        fputs("# What shadergen matrix made here, so that its next run need not; without this it makes all again.\n"
+              "# A line is a variant; its first word stands for the program. Keep this out of version control.\n", out);
         for (i = 0; i < m->list.count; ++i)
             if (!m->list.items[i].refused) print_variant(out, m, &m->list.items[i]);
     }
@@ -250,7 +253,7 @@ static int remove_named(matrix_job *m, char *text, const map *wanted)
         int one;
         if (!is_ours(name) || map_find(wanted, hash_bytes(HASH, name, strlen(name))) >= 0) continue;
         if (m->check) {
-            if (exists(m, name)) say_stale(m, name, "no variant has it");
+            if (exists(m, name)) say_stale(m, name, "is needed by no variant");
             continue;
         }
         one = remove_in(m, name, "");

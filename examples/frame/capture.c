@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "blender.h"
 #include "json.h"
 
 #define CAMERA_BYTES_MAX (1 << 20)
@@ -135,7 +136,22 @@ static int check_view(const camera *cam, const char *path, char *error, size_t e
     return 1;
 }
 
-static int read_frame(capture *out, const char *path, char *error, size_t error_size)
+static void take_camera(capture *out, const camera *cam)
+{
+    int r, c;
+
+    out->near_z = (float)cam->near_z;
+    out->far_z = (float)cam->far_z;
+    for (c = 0; c < 4; c++) {
+        for (r = 0; r < 4; r++) {
+            /* y up on the screen becomes y down in memory: the top row of the file is texel row 0, ndc y = -1 */
+            out->projection[c * 4 + r] = (float)(r == 1 ? -cam->projection[r][c] : cam->projection[r][c]);
+            out->view[c * 4 + r] = (float)cam->view[r][c];
+        }
+    }
+}
+
+static int read_layers(capture *out, const char *path, char *error, size_t error_size)
 {
     const struct { const char *layer, *channels; image *target; int required; } rows[] = {
         {"depth", "Z", &out->depth, 1},           {"normal", "XYZ", &out->normal, 1},
@@ -160,6 +176,14 @@ static int read_frame(capture *out, const char *path, char *error, size_t error_
         if (rows[i].target->data) image_free(&layers[i].pixels); /* f0.Y beside f0.RGB */
         else *rows[i].target = layers[i].pixels;
     }
+    return 1;
+}
+
+static int read_frame(capture *out, const char *path, char *error, size_t error_size)
+{
+    const int blender = blender_read(out, path, error, error_size);
+
+    if (blender == BLENDER_FAULT || (blender == BLENDER_NOT && !read_layers(out, path, error, error_size))) return 0;
     out->width = out->depth.width;
     out->height = out->depth.height;
     return 1;
@@ -189,13 +213,13 @@ static int read_height_field(capture *out, const char *frame, char *error, size_
 int capture_load(capture *out, const char *exr, const char *camera_json, char *error, size_t error_size)
 {
     camera cam;
-    int    r, c;
 
     memset(out, 0, sizeof *out);
     if (!read_camera(camera_json, &cam, error, error_size)
         || !check_projection(&cam, &out->orthographic, camera_json, error, error_size)
-        || !check_view(&cam, camera_json, error, error_size) || !read_frame(out, exr, error, error_size)
-        || !read_height_field(out, exr, error, error_size)) {
+        || !check_view(&cam, camera_json, error, error_size)) return 0;
+    take_camera(out, &cam);
+    if (!read_frame(out, exr, error, error_size) || !read_height_field(out, exr, error, error_size)) {
         capture_free(out);
         return 0;
     }
@@ -205,15 +229,6 @@ int capture_load(capture *out, const char *exr, const char *camera_json, char *e
         capture_free(out);
         out->misfit = 1;
         return 0;
-    }
-    out->near_z = (float)cam.near_z;
-    out->far_z = (float)cam.far_z;
-    for (c = 0; c < 4; c++) {
-        for (r = 0; r < 4; r++) {
-            /* y up on the screen becomes y down in memory: the top row of the file is texel row 0, ndc y = -1 */
-            out->projection[c * 4 + r] = (float)(r == 1 ? -cam.projection[r][c] : cam.projection[r][c]);
-            out->view[c * 4 + r] = (float)cam.view[r][c];
-        }
     }
     return 1;
 }

@@ -42,6 +42,17 @@ int  capture_scene_from(capture *out, const char *name, const float move[3], flo
 int  capture_motion(capture *cap, const capture *last);
 /* Names of the built-in scenes by index, NULL outside. */
 const char *capture_scene_name(int index);
+
+/* The surfaces of a built-in scene, two-sided triangles. World: m, x right, y away from the camera, z up. */
+typedef struct scene_mesh {
+    unsigned count;         /* triangles */
+    float   *corners;       /* 9 a triangle */
+    float   *albedo;        /* 3 a triangle */
+    float   *emission;      /* 3 a triangle: radiance */
+} scene_mesh;
+/* 1 on success; 0: error[] says why. */
+int  capture_scene_mesh(scene_mesh *out, const char *name, char *error, size_t error_size);
+void scene_mesh_free(scene_mesh *m);
 void capture_free(capture *cap);
 
 /* The capture in the conventions that a resolved config asks for: depth linear or device, forward or reversed, finite or infinite far,

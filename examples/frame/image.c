@@ -29,6 +29,7 @@
 #endif
 
 #define MAX_SIZE 16384 /* pixels a side */
+#define SHORT_NAME 31  /* bytes of a name, from which on the file must say that it has long ones */
 #define MAX_NAME 256   /* bytes of a channel name; the format itself allows 255 */
 
 int frame_error(char *error, size_t error_size, const char *format, ...)
@@ -413,6 +414,37 @@ int exr_read(const char *path, image_layer *layers, int count, char *error, size
     return ok;
 }
 
+static char *join_names(const exr_attr_chlist_t *list)
+{
+    size_t size = 1, used = 0;
+    char  *names;
+    int    i;
+
+    for (i = 0; i < list->num_channels; i++) size += strlen(list->entries[i].name.str) + 1;
+    names = calloc(size, 1);
+    for (i = 0; names && i < list->num_channels; i++) {
+        strcpy(names + used, list->entries[i].name.str);
+        used += strlen(names + used) + 1;
+    }
+    return names;
+}
+
+char *exr_names(const char *path, int *parts)
+{
+    exr_log                   log;
+    exr_context_initializer_t settings = exr_settings(&log);
+    exr_context_t             context = NULL;
+    const exr_attr_chlist_t  *list = NULL;
+    char                     *names = NULL;
+
+    if (!exr_probe(path, NULL, 0)) return NULL;
+    if (exr_start_read(&context, path, &settings) == EXR_ERR_SUCCESS && exr_get_count(context, parts) == EXR_ERR_SUCCESS
+        && exr_get_channels(context, 0, &list) == EXR_ERR_SUCCESS)
+        names = join_names(list);
+    if (context) exr_finish(&context);
+    return names;
+}
+
 typedef exr_result_t (*compress_routine)(exr_encode_pipeline_t *encode);
 
 /* Compress, then hand over the raw bytes where that gained nothing at all: OpenEXR 3.1 reads a block whose stored size is its raw size
@@ -469,6 +501,7 @@ static exr_result_t encode_all(exr_context_t context, const image *size, const i
     for (i = 0; i < count; i++) {
         for (c = 0; layers[i].pixels.data && layers[i].channels[c] && code == EXR_ERR_SUCCESS; c++) {
             channel_name(&layers[i], c, name);
+            if (strlen(name) >= SHORT_NAME) exr_set_longname_support(context, 1);
             code = exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
         }
     }

@@ -40,6 +40,9 @@ typedef struct image_layer {
 /* Read the layers of an EXR file (any compression, half, float or uint, scan line or tiled, data window at any origin).
  * 1 on success. 0: error[] says what is wrong and how to mend it, all images are absent. */
 int exr_read(const char *path, image_layer *layers, int count, char *error, size_t error_size);
+/* Names of the channels of its first part, one after the other, each with its 0, an empty one at the end; caller frees.
+ * *parts: how many parts there are. NULL: exr_read will say why. */
+char *exr_names(const char *path, int *parts);
 /* Write all present layers as float channels, ZIP-compressed. Temporary file beside the target, then rename: an existing file is
  * replaced whole or not at all. */
 int exr_write(const char *path, const image_layer *layers, int count, char *error, size_t error_size);

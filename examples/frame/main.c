@@ -112,7 +112,8 @@ static void print_help(void)
           "Lights one frame by a config of hbil.h, and reports times and errors.\n\n"
           "  --frame F.exr     layers depth.Z normal.XYZ albedo.RGB direct.RGB; optional emission.RGB, f0.Y or f0.RGB,\n"
           "                    roughness.Y, truth_ao.Y truth_near.RGB truth_far.RGB. With frame-X.exr the height-field truth is\n"
-          "                    read, too, if hf-X.exr lies beside it\n"
+          "                    read, too, if hf-X.exr lies beside it. Or a multilayer EXR of Blender with the passes Z, Normal,\n"
+          "                    Diffuse Color and Direct; optional Emission, Vector: see examples/blender\n"
           "  --camera C.json   width, height, near, far, projection_rows (OpenGL clip), view_rows\n"
           "  --scene NAME      a built-in scene instead of a file: ", stdout);
     for (i = 0; capture_scene_name(i); i++) printf("%s%s", i ? ", " : "", capture_scene_name(i));

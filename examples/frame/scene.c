@@ -845,3 +845,42 @@ int capture_scene_from(capture *out, const char *name, const float move[3], floa
     mesh_free(&w.shapes);
     return ok;
 }
+
+int capture_scene_mesh(scene_mesh *out, const char *name, char *error, size_t error_size)
+{
+    const builtin *what = find_builtin(name, error, error_size);
+    mesh           m;
+    unsigned       q, t, c;
+
+    memset(out, 0, sizeof *out);
+    memset(&m, 0, sizeof m);
+    if (!what) return 0;
+    what->build(&m);
+    out->corners = malloc(2 * m.count * 9 * sizeof *out->corners);
+    out->albedo = malloc(2 * m.count * 3 * sizeof *out->albedo);
+    out->emission = calloc(2 * m.count, 3 * sizeof *out->emission);
+    if (m.failed || !out->corners || !out->albedo || !out->emission) {
+        mesh_free(&m);
+        scene_mesh_free(out);
+        return frame_error(error, error_size, "scene %s: out of memory", name);
+    }
+    for (q = 0; q < m.count; q++)
+        for (t = 0; t < 2; t++) { /* corners 0 1 2, then 0 2 3, unless 3 repeats 2 */
+            const vec *p = m.corners + 4 * q;
+            if (t == 1 && memcmp(&p[2], &p[3], sizeof *p) == 0) continue;
+            for (c = 0; c < 3; c++) memcpy(out->corners + 9 * out->count + 3 * c, &p[c ? t + c : 0], sizeof *p);
+            memcpy(out->albedo + 3 * out->count, reflectance[m.materials[q]], 3 * sizeof(float));
+            if (m.materials[q] == LAMP) memcpy(out->emission + 3 * out->count, what->light, sizeof what->light);
+            out->count++;
+        }
+    mesh_free(&m);
+    return 1;
+}
+
+void scene_mesh_free(scene_mesh *m)
+{
+    free(m->corners);
+    free(m->albedo);
+    free(m->emission);
+    memset(m, 0, sizeof *m);
+}

@@ -109,6 +109,10 @@ int main(int argc, char **argv)
         config.facing = HBIL_FACING_HALF_SPACE;
         config.downscale = 2;
     }
+    if (config.stage == HBIL_STAGE_FRAGMENT) {
+        fputs("hbil-own-engine: this RHI dispatches; drawing is in backends/hbil_gl.h. Leave stage=fragment out\n", stderr);
+        return 1;
+    }
     if (result == HBIL_OK) result = engine_init(&e, &config, 320, 180, &diags);
     for (i = 0; result == HBIL_OK && i < 3; ++i) {
         rhi_begin_frame(i == 0);

@@ -414,5 +414,30 @@ else
     echo "skip  $group: no tmpfs can be mounted here"
 fi
 
+say 'contexts without compute shaders'
+# Mesa can be made to be older than it is.
+if expect 0 --scene cornell --size 64x36 --rays 0 --backend gl --set outputs=ao --out computed.exr; then
+    expect 0 --scene cornell --size 64x36 --rays 0 --backend gl --set outputs=ao,stage=fragment --out drawn.exr
+    check 'compute and fragment shaders give the same bytes' cmp computed.exr drawn.exr
+    for old in 'gl 3.3 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330' 'gles 3.0 MESA_GLES_VERSION_OVERRIDE=3.0'; do
+        # shellcheck disable=SC2086
+        set -- $old
+        backend=$1 version=$2
+        shift 2
+        rm -f drawn.exr
+        if env "$@" "$bin" --scene cornell --size 64x36 --rays 0 --backend "$backend" --set outputs=ao,stage=fragment --out drawn.exr \
+            > ../out.txt 2> ../err.txt && grep -q "^driver .*$version" ../out.txt; then
+            check "drawn on $backend $version: the same bytes" cmp computed.exr drawn.exr
+            checks=$((checks + 1))
+            env "$@" "$bin" --scene cornell --size 64x36 --rays 0 --backend "$backend" --set outputs=ao > ../out.txt 2> ../err.txt &&
+                fault "compute shaders on $backend $version"
+            check 'the message names the fix' grep -q 'stage=fragment' ../err.txt
+        else
+            echo "skip  $group: no $backend $version here"
+            sed 's/^/      /' ../out.txt ../err.txt | head -5
+        fi
+    done
+fi
+
 echo "hbil-frame: $checks checks, $failed failed"
 [ $failed -eq 0 ]

@@ -117,10 +117,18 @@ refused outputs=far,environment=sh,seed_compat=uniform_bent 'wants it cosine-wei
 refused outputs=far,environment=cube,far_visibility=cone 'closed form for a cone' far_visibility=bent
 refused normals=world,normal_encoding=xy 'hold no sign of z' normal_encoding=octahedral
 printf 'slices=3\nsteps=99999\n' > bad.hbil
-expect 1 -c bad.hbil -o refused/
-says 'bad.hbil'
-says '2'
-absent refused
+expect 1 -c bad.hbil -o refused/ --depfile refused.d --stamp refused.stamp
+says 'bad.hbil:2: error: steps=99999: must be in'
+absent refused; absent refused.d; absent refused.stamp
+expect 1 -c bad.hbil --error-format msvc
+says 'bad.hbil(2): error: steps=99999: must be in'
+printf '# a combination\noutputs=ao\n  march=sweep  # here\nestimator=hbao\n' > bad.hbil
+expect 1 -c bad.hbil
+says 'bad.hbil:3: error: a sweep finds horizons'
+expect 1 -c bad.hbil -q
+says 'bad.hbil:3: error:'
+expect 1 --set march=sweep,estimator=hbao
+says 'shadergen: a sweep finds horizons'
 
 say 'wrong usage'
 expect 2 --nonsense
@@ -128,13 +136,28 @@ says '--nonsense'
 says 'see shadergen --help'
 expect 2 march
 expect 2 --set=slices=4
-for flag in --set -c --config --preset --target --format --pass -o --output --explain --hook; do
+for flag in --set -c --config --preset --target --format --pass -o --output --explain --hook --depfile --stamp --error-format; do
     expect 2 $flag
     says 'no value after'
     expect 2 $flag ''
 done
-expect 2 --format hlsl
-says 'glsl, spirv or manifest'
+expect 2 --format hlls
+says 'glsl, spirv, c, manifest, hlsl, hlsl6, msl or essl'
+expect 2 --format hlsl --target gl --pass march
+says 'made from the shaders for Vulkan'
+expect 2 --format essl --target gl --pass march
+says 'another target is set'
+expect 2 --format spirv --target gles --set stage=fragment --pass march
+says 'has no SPIR-V'
+expect 2 --error-format clang
+says 'gcc or msvc'
+expect 2 --json
+says '--list-options'
+expect 2 --check
+says '--check compares files'
+expect 2 --depfile d.d
+says '--depfile'
+absent d.d
 expect 2 --pass marhc
 says 'prepare march light'
 expect 2 --explain slicse
@@ -222,7 +245,7 @@ vec3 hbil_far_hook(vec3 position, vec3 direction, float cos_aperture) {
 }
 END
 for preset in $presets; do
-    for target in vulkan gl; do
+    for target in vulkan gl gles; do
         hook=
         "$bin" --preset "$preset" --print-config | grep -qx environment=hook && hook='--hook sky.glsl'
         # shellcheck disable=SC2086
@@ -363,6 +386,114 @@ for config in '' slices=4 'target=gl,outputs=ao+near+bent+composite' 'reach=2.5,
     expect 0 -c printed.hbil --pass march
     same out.txt made/march.comp
 done
+
+say 'languages'
+expect 0 --format hlsl -o hlsl/
+check 'registers' grep -q 'u_view_depth : register(t0)' hlsl/march.hlsl
+expect 0 --format hlsl6 --pass march
+check 'shader model 6 has spaces' grep -q 'u_view_depth : register(t0, space0)' out.txt
+expect 0 --format msl -o msl/
+check 'Metal has a kernel' grep -q '^kernel void' msl/march.metal
+expect 0 --format essl -o essl/
+check 'ESSL 3.10' sh -c "head -n 1 essl/march.comp | grep -q '^#version 310 es$'"
+expect 0 --target gles -o essl2/
+same essl/march.comp essl2/march.comp
+expect 0 --target gles --set stage=fragment,outputs=ao -o fragment/
+check 'ESSL 3.00 and its vertex shader' test "$(find fragment -type f | sort | tr '\n' ' ')" = 'fragment/march.frag fragment/prepare.frag fragment/vertex.vert '
+expect 0 --target gl --set stage=fragment,outputs=ao --pass march -o march.frag
+check 'GLSL 3.30' sh -c "head -n 1 march.frag | grep -q '^#version 330 core$'"
+expect 0 --list-options --json
+check 'the options as data' sh -c "head -n 2 out.txt | grep -q '\"schema\": 1' && tail -n 1 out.txt | grep -qx '}'"
+if command -v python3 > /dev/null; then check 'which is JSON' python3 -c 'import json,sys; d=json.load(open("out.txt")); assert len(d["options"]) > 50 and d["presets"]'; fi
+
+say 'a C header'
+printf 'outputs=ao+near\nslices=4\n' > game.hbil
+for target in vulkan gl 'gles --set stage=fragment'; do
+    # shellcheck disable=SC2086
+    expect 0 -c game.hbil --target $target --format c -o game-shaders.h
+    silent
+    printf '#include "game-shaders.h"\n#include <stdio.h>\nint main(void)\n{\n    int i;\n    puts(GAME_SHADERS_CONFIG);\n' > use.c
+    printf '    for (i = 0; i < 2; ++i) puts(game_shaders_passes[i].name);\n' >> use.c
+    printf '    return GAME_SHADERS_HASH == 0 || sizeof(game_shaders_frame) != 32;\n}\n' >> use.c
+    cp use.c use.cpp
+    warnings='-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wundef -Wdouble-promotion -Werror'
+    for compiler in 'gcc -std=c99' 'clang -std=c99' 'g++ -std=c++11' 'clang++ -std=c++11'; do
+        command -v "${compiler%% *}" > /dev/null || { echo "skip  $group: no ${compiler%% *}"; continue; }
+        case $compiler in *++*) of=use.cpp ;; *) of=use.c ;; esac
+        # shellcheck disable=SC2086
+        check "compiles with $compiler, $target" $compiler $warnings $of -o use
+        check "runs, $compiler, $target" sh -c './use | tail -n 2 | tr "\n" " " | grep -qx "prepare march "'
+    done
+done
+expect 0 -c game.hbil --format c
+check 'on standard output, with a name of its own' grep -q '^#define HBIL_SHADERS_HASH ' out.txt
+expect 0 -c game.hbil --format c --pass march
+check 'one pass' sh -c '! grep -q prepare_words out.txt && grep -q march_words out.txt'
+no_temporaries .
+
+say 'up to date'
+expect 0 -c game.hbil -o fresh/
+expect 0 -c game.hbil -o fresh/ --check
+silent
+expect 5 -c game.hbil --set slices=9 -o fresh/ --check
+says 'fresh/march.comp is not up to date'
+expect 0 -c game.hbil -o fresh/ --check
+rm fresh/prepare.comp
+expect 5 -c game.hbil -o fresh/ --check
+absent fresh/prepare.comp
+expect 5 -c game.hbil -o never/ --check
+absent never
+
+say 'a rule for make'
+mkdir 'a folder'
+cp game.hbil 'a folder/my $game#1.hbil'
+expect 0 -c 'a folder/my $game#1.hbil' --format c -o 'a folder/out put.h' --depfile rule.d
+# shellcheck disable=SC2016
+check 'outputs and configs, escaped' grep -qxF 'a\ folder/out\ put.h: a\ folder/my\ $$game\#1.hbil' rule.d
+expect 0 -c game.hbil --set $hooked --hook sky.glsl -o ruled/ --depfile rule.d --stamp ruled.stamp
+check 'the stamp, the config and the hook' grep -qxF 'ruled.stamp: game.hbil sky.glsl' rule.d
+check 'the stamp holds a hash' grep -Eqx '[0-9a-f]{16}' ruled.stamp
+if command -v ninja > /dev/null; then
+    cat > build.ninja << END
+rule shaders
+  command = $bin -c game.hbil --format c -o built.h --depfile built.d
+  depfile = built.d
+  restat = 1
+build built.h: shaders
+build all: phony built.h
+END
+    rm -f built.h
+    check 'ninja builds' ninja all
+    check 'and then has no work' sh -c 'ninja all | grep -q "no work to do"'
+    sleep 0.02
+    echo '# touched' >> game.hbil
+    check 'a touched config is work' sh -c 'ninja -n all | grep -q shaders || ninja -n all | grep -q built.h'
+    check 'ninja builds again' ninja all
+    sed -i 's/slices=4/slices=5/' game.hbil
+    check 'ninja builds what changed' ninja all
+    check 'it has changed' grep -q 'slices=5' built.h
+    check 'and has no work' sh -c 'ninja all | grep -q "no work to do"'
+fi
+
+say 'a read-only folder'
+mkdir locked
+chmod 555 locked
+if touch locked/probe 2> /dev/null; then
+    rm -f locked/probe
+    if command -v setpriv > /dev/null && chmod 777 . && setpriv --reuid=65534 --clear-groups "$bin" --version > /dev/null 2>&1; then
+        checks=$((checks + 1))
+        code=0
+        setpriv --reuid=65534 --clear-groups "$bin" --pass march -o locked/march.comp 2> err.txt || code=$?
+        [ $code -eq 3 ] || fault "exit code $code, not 3"
+        says 'cannot write locked/march.comp'
+    else
+        echo "skip  $group: root writes everywhere, and nobody cannot run shadergen here"
+    fi
+else
+    expect 3 --pass march -o locked/march.comp
+    says 'cannot write locked/march.comp'
+fi
+check 'nothing in it' test -z "$(ls -A locked)"
 
 say 'a text that glslang refuses (exit code 4)'
 echo "skip  $group: no config leads there"

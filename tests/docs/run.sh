@@ -1,7 +1,7 @@
 #!/bin/sh
 # run.sh ROOT BIN - what README.md shows is true: every ```c block compiles without a warning, links and runs; every
-# ```console block prints what stands below its `$ ` line; every local link leads to a file. backends/README.md quotes what stands
-# between the marks of an example, which is built and tested.
+# ```console block prints what stands below its `$ ` line; every local link leads to a file; every quote is what stands
+# between the marks of a program that is built and tested.
 set -u
 root=$1 bin=$2 failed=0
 temp=$(mktemp -d) || exit 1
@@ -27,11 +27,16 @@ for block in "$temp"/*.console; do
     PATH=$bin:$PATH sh -c "$command" | head -n "$(wc -l < "$temp/expected")" > "$temp/output"
     if diff "$temp/expected" "$temp/output"; then say ok "$command"; else say FAILED "$command"; fi
 done
-quoted=$(sed -n 's/^<!-- outline of \(.*\) -->$/\1/p' "$root/backends/README.md")
-sed -n '/^\/\* <<outline /,/^\/\* >>outline /p' "$root/$quoted" | sed '1d; $d' > "$temp/expected"
-sed -n '/^<!-- outline of /,/^```$/p' "$root/backends/README.md" | sed '1,2d; $d' > "$temp/output"
-if [ -s "$temp/expected" ] && diff "$temp/expected" "$temp/output"; then say ok "outline of $quoted"
-else say FAILED "backends/README.md: other than the outline of $quoted"; fi
+# quote NAME PAGE: below `<!-- quote of FILE: NAME -->` stands what FILE has between its marks <<NAME and >>NAME
+for page in README.md backends/README.md; do
+    for mark in $(sed -n 's/^<!-- quote of \(.*\): \(.*\) -->$/\1:\2/p' "$root/$page"); do
+        file=${mark%:*} name=${mark#*:}
+        sed -n "/^\/\* <<$name \*\//,/^\/\* >>$name \*\//p" "$root/$file" | sed '1d; $d' > "$temp/expected"
+        sed -n "/^<!-- quote of .*: $name -->/,/^\`\`\`\$/p" "$root/$page" | sed '1,2d; $d' > "$temp/output"
+        if [ -s "$temp/expected" ] && diff "$temp/expected" "$temp/output"; then say ok "$page quotes $name of $file"
+        else say FAILED "$page: other than $name of $file"; fi
+    done
+done
 for page in README.md backends/README.md; do
     for link in $(grep -o '](\([^)]*\))' "$root/$page" | sed 's/^](//; s/)$//; s/#.*//' | sort -u); do
         [ -e "$root/$(dirname "$page")/$link" ] || say FAILED "$page: no file $link"

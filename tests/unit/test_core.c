@@ -414,6 +414,16 @@ static void last_frame_is_related_to_this_one(void **state)
     v = constant(&p, &f, "HBIL_LAST_SIZE", 0);
     memcpy(&i, &v, 4);
     assert_int_equal(i, 17); /* of the grid, rounded up */
+    {
+        hbil_plan drawn = plan_of("target=gl stage=fragment temporal=yes bounces=recursive outputs=near downscale=2");
+        uint32_t k;
+        v = constant(&drawn, &f, "HBIL_LAST_FULL_SIZE", 0);
+        memcpy(&i, &v, 4);
+        assert_int_equal(i, 33); /* u_bounce has the frame's size there: a fragment writes its own pixel */
+        assert_int_equal(drawn.textures[hbil_plan_texture(&drawn, "bounce")].div, 1);
+        assert_int_equal(p.textures[hbil_plan_texture(&p, "seen")].div, 2);
+        for (k = 0; k < drawn.pass_count; ++k) assert_int_equal(drawn.passes[k].group[0] * drawn.passes[k].group[1], 1);
+    }
     f.reset = 1; /* nothing of the last frame is read */
     memset(f.last_projection, 0, sizeof f.last_projection);
     memset(f.last_view, 0, sizeof f.last_view);
@@ -425,6 +435,24 @@ static void last_frame_is_related_to_this_one(void **state)
     memcpy(f.last_view, f.view, sizeof f.view);
     f.last_height = 16385;
     refuse_frame(&p, &f, "last_width and last_height");
+}
+
+static void the_vertex_shader_is_there_for_fragments_only(void **state)
+{
+    hbil_plan drawn = plan_of("target=gles stage=fragment outputs=ao"), computed = plan_of("outputs=ao");
+    char exact[512];
+    size_t need = 0;
+    (void)state;
+    assert_int_equal(hbil_emit_vertex(&drawn, NULL, 0, &need), HBIL_E_SPACE);
+    assert_in_range(need, 2, sizeof exact);
+    assert_int_equal(hbil_emit_vertex(&drawn, text, sizeof text, NULL), HBIL_OK);
+    assert_int_equal(strlen(text) + 1, need);
+    assert_memory_equal(text, "#version 300 es\n", 16);
+    assert_int_equal(hbil_emit_vertex(&drawn, exact, need, NULL), HBIL_OK);
+    assert_int_equal(hbil_emit_vertex(&drawn, exact, need - 1, NULL), HBIL_E_SPACE);
+    assert_int_equal(hbil_emit_vertex(&computed, text, sizeof text, NULL), HBIL_E_ARG);
+    assert_int_equal(hbil_emit_vertex(NULL, text, sizeof text, NULL), HBIL_E_ARG);
+    assert_int_equal(hbil_emit_vertex(&drawn, NULL, 4, NULL), HBIL_E_ARG);
 }
 
 static void dynamic_options_are_read_from_live_and_checked(void **state)
@@ -566,6 +594,7 @@ int main(void)
         cmocka_unit_test(depth_constants_invert_every_convention),
         cmocka_unit_test(frames_that_do_not_fit_are_refused_with_the_fix),
         cmocka_unit_test(last_frame_is_related_to_this_one),
+        cmocka_unit_test(the_vertex_shader_is_there_for_fragments_only),
         cmocka_unit_test(dynamic_options_are_read_from_live_and_checked),
         cmocka_unit_test(packing_needs_the_whole_block),
         cmocka_unit_test(hooks_in_any_legal_form_are_taken),
