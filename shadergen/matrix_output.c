@@ -104,7 +104,8 @@ int output_manifest(matrix_job *m, file *f)
             HBIL_VERSION, m->spirv ? "spirv" : "glsl", m->c ? "\"hbil_variants.h\", \"hbil_variants.c\"" : "");
     fprintf(out, "  \"counts\": {\"combinations\": %d, \"refused\": %d, \"equal\": %d, \"variants\": %d, "
             "\"passes\": %d, \"files\": %d, \"bytes\": %" PRIu64 "},\n  \"variants\": [", (int)m->combinations,
-            (int)m->counts.refused, (int)m->equal, (int)m->counts.variants, (int)m->counts.passes, (int)m->counts.files, m->counts.bytes);
+            (int)m->counts.refused, (int)m->equal, (int)m->counts.variants, (int)m->counts.passes,
+            (int)m->counts.files, m->counts.bytes);
     for (i = 0; i < m->list.count; ++i) {
         if (m->list.items[i].refused) continue;
         fputs(some++ ? ",\n" : "\n", out);
