@@ -59,7 +59,6 @@ typedef struct matrix_job {
     variants    old;
     map         old_index;                /* config hash -> old */
     char       *state, *manifest;         /* their texts name every file that an earlier run made */
-    size_t      state_size;
     /* shared by the workers, under lock */
     pthread_mutex_t lock;
     pthread_cond_t  changed;

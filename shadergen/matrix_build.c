@@ -116,10 +116,7 @@ static int translate(worker *w, const source *from, size_t *size)
     const int ok = hbil_glslang_compile(from->text, from->target, w->words, WORDS_MAX, &count, w->log, sizeof w->log)
                  == HBIL_GLSLANG_OK;
     *size = count * sizeof *w->words;
-    if (ok && count) return DONE;
-    fprintf(stderr, "shadergen: glslang refused pass %s of a config; please report this with it: %s\n%s\n", from->pass,
-            from->config, w->log);
-    return COMPILER;
+    return ok && count ? DONE : COMPILER;
 }
 
 /* Under lock: waits for another thread that works on it. Is it good now, or 0: the caller has it, BUSY. */
@@ -170,6 +167,9 @@ static int make_file(worker *w, const source *from, uint64_t key, int32_t *index
             ++m->compiled;
         }
         made = m->slots[*index];
+        if (code != DONE && m->code == DONE)
+            fprintf(stderr, "shadergen: glslang refused pass %s of a config; please report this with it: %s\n%s\n",
+                    from->pass, from->config, w->log);
         if (code == DONE) code = m->code; /* of another thread: its message is enough */
         if (code == DONE) code = store(m, &made, from, data, size);
         if (m->code == DONE) m->code = code;

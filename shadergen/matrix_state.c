@@ -153,13 +153,13 @@ static int read_line(matrix_job *m, char *at)
 }
 
 /* A file of an earlier run; none is as good as an empty one. */
-static int read_old(const matrix_job *m, const char *name, char **text, size_t *size)
+static int read_old(const matrix_job *m, const char *name, char **text)
 {
     char path[1200];
+    size_t size;
     snprintf(path, sizeof path, "%s%s", m->folder, name);
-    *text = read_all(path, size);
+    *text = read_all(path, &size);
     if (*text) return DONE;
-    *size = 0;
     if (errno == ENOENT || errno == ENOTDIR) return (*text = strdup("")) != NULL ? DONE : no_memory();
     fprintf(stderr, "shadergen: cannot read %s: %s\n", path, strerror(errno));
     return IO;
@@ -168,9 +168,8 @@ static int read_old(const matrix_job *m, const char *name, char **text, size_t *
 int state_read(matrix_job *m)
 {
     char *copy, *line, *end;
-    size_t size;
-    int ok = 1, code = read_old(m, STATE_FILE, &m->state, &m->state_size);
-    if (code == DONE) code = read_old(m, MANIFEST_FILE, &m->manifest, &size);
+    int ok = 1, code = read_old(m, STATE_FILE, &m->state);
+    if (code == DONE) code = read_old(m, MANIFEST_FILE, &m->manifest);
     if (code != DONE) return code;
     m->key = key_of(m);
     copy = strdup(m->state);
@@ -200,8 +199,9 @@ int state_append(matrix_job *m, const variant *v)
     char path[1200];
     snprintf(path, sizeof path, "%s" STATE_FILE, m->folder);
     if (!m->journal) {
+        const size_t n = strlen(m->state);
         m->journal = fopen(path, "ab");
-        if (m->journal && m->state_size && m->state[m->state_size - 1] != '\n') fputc('\n', m->journal);
+        if (m->journal && n && m->state[n - 1] != '\n') fputc('\n', m->journal); /* a torn line must not go on */
     }
     if (m->journal) print_variant(m->journal, m, v);
     if (m->journal && fflush(m->journal) == 0) return DONE;
