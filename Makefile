@@ -10,10 +10,11 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo test embed bench table marches clean
+.PHONY: help demo viewer test embed bench table marches clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
+	@echo 'make viewer  install lacking Debian packages, build hbil-viewer, a renderer with a window; says how to run it'
 	@echo 'make test    install lacking Debian packages, build, run every test; the last line counts passed, failed, skipped'
 	@echo 'make embed   write options.def, passes.def and glsl/ of shadergen/ into hbil.h and README.md'
 	@echo 'make bench   how long plans, texts, SPIR-V and compiling the header take, and how large they are'
@@ -34,6 +35,13 @@ demo:
 	$(CONFIGURE) $$(test -e $(BUILD)/CMakeCache.txt || echo -DHBIL_BUILD_TESTS=OFF)
 	$(COMPILE) --target hbil-frame shadergen
 	@sh examples/frame/demo.sh $(BUILD)/bin/hbil-frame out/demo
+
+viewer:
+	@$(PACKAGES) test
+	$(CONFIGURE) $$(test -e $(BUILD)/CMakeCache.txt || echo -DHBIL_BUILD_TESTS=OFF)
+	$(COMPILE) --target hbil-viewer
+	@echo; echo 'now:          $(BUILD)/bin/hbil-viewer --model examples/viewer/room.gltf'
+	@echo 'or, unseen:   $(BUILD)/bin/hbil-viewer --headless --frames 16 --set temporal=yes --png out/viewer/'
 
 # LP_NUM_THREADS balances Mesa's software rasterisers; GPUs do not read it. Counted from the single results: the sums of
 # ctest's own file call a test "skipped" whose program is missing. Its exit code is kept.

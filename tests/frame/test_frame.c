@@ -1614,7 +1614,7 @@ static void exit_codes_are_as_the_help_says(void **state)
         {"--scene cornell --size 64x64x64", 2, "WxH"},
         {"--scene cornell --rays -1", 2, "--rays -1"},
         {"--scene cornell --repeat 0", 2, "--repeat 0"},
-        {"--scene cornell --backend metal", 2, "must be vulkan or gl"},
+        {"--scene cornell --backend metal", 2, "must be vulkan, gl or gles"},
         {"--scene cornell --set", 2, "--set: "},
         {"--scene cornell --fast", 2, "--fast: unknown"},
         {"--frame @/frame.exr --camera @/camera.json --rays 3", 2, "belong to --scene"},
