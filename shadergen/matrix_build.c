@@ -1,5 +1,6 @@
 /* matrix_build.c - makes the variants of a matrix on all threads. See matrix.h. */
 #include "matrix.h"
+#include "cost.h"
 #include "../backends/hbil_glslang.h"
 
 #include <errno.h>
@@ -14,7 +15,7 @@
 /* A text on its way into its slot. */
 typedef struct source { const char *pass, *suffix, *text, *config; size_t size; hbil_target target; } source;
 
-typedef struct worker { matrix_job *job; uint32_t *words; char log[8192]; } worker;
+typedef struct worker { matrix_job *job; uint32_t *words; char log[8192]; cost_cache costs; } worker;
 
 /* ---------------------------------------------------------------------- what people see */
 
@@ -222,10 +223,18 @@ static int make_pass(worker *w, variant *v, const char *pass, const char *suffix
 
 /* What the manifest says of a variant beside its files, as members of a JSON object. It follows from the plan alone and
  * may take its time: the state keeps it. */
-static char *facts_of(const hbil_plan *plan)
+static char *facts_of(worker *w, const hbil_plan *plan)
 {
-    char *text = (char *)malloc(64);
-    if (text) snprintf(text, 64, "\"uniform_bytes\": %u", (unsigned)plan->constants_size);
+    static const char form[] = "\"uniform_bytes\": %u, \"cost\": {\"fetches\": %.9g, \"loads\": %.9g, \"stores\": %.9g, \"atomics\": %.9g, "
+        "\"bytes_read\": %.9g, \"bytes_written\": %.9g, \"floats\": %.9g, \"divisions\": %.9g, \"registers\": %d, \"unknown_loops\": %d}";
+    const size_t room = sizeof form + 160;
+    cost_total *t = (cost_total *)malloc(sizeof *t);
+    char *text = t && cost_of_plans(plan, &w->costs, t) == DONE ? (char *)malloc(room) : NULL;
+    if (text)
+        snprintf(text, room, form, (unsigned)plan->constants_size, t->fixed.access[COST_FETCH], t->fixed.access[COST_LOAD],
+                 t->fixed.access[COST_STORE], t->fixed.access[COST_ATOMIC], t->fixed.bytes_read, t->fixed.bytes_written,
+                 t->fixed.ops[COST_FLOAT], t->fixed.ops[COST_DIVIDE], (int)t->registers, (int)t->unknown);
+    free(t);
     return text;
 }
 
@@ -271,7 +280,7 @@ static int make_variant(worker *w, variant *v)
         build_vertex(&plan, &vertex);
         code = make_pass(w, v, "vertex", m->spirv ? ".spv" : ".vert", vertex.data, config);
     }
-    if (code == DONE && !(v->facts = facts_of(&plan))) code = no_memory();
+    if (code == DONE && !(v->facts = facts_of(w, &plan))) code = no_memory();
     if (code != DONE || m->check) return code;
     pthread_mutex_lock(&m->lock);
     code = state_append(m, v);
@@ -282,7 +291,7 @@ static int make_variant(worker *w, variant *v)
 static void *work(void *arg)
 {
     matrix_job *m = (matrix_job *)arg;
-    worker w = { m, (uint32_t *)malloc(WORDS_MAX * sizeof(uint32_t)), "" };
+    worker w = { m, (uint32_t *)malloc(WORDS_MAX * sizeof(uint32_t)), "", { NULL, 0 } };
     pthread_mutex_lock(&m->lock);
     if (!w.words) m->code = no_memory();
     while (m->next < m->list.count && m->code == DONE) {
@@ -298,6 +307,7 @@ static void *work(void *arg)
     pthread_cond_broadcast(&m->changed);
     pthread_mutex_unlock(&m->lock);
     free(w.words);
+    cost_cache_free(&w.costs);
     return NULL;
 }
 
@@ -320,7 +330,7 @@ int build_all(matrix_job *m)
 {
     pthread_t *threads = (pthread_t *)calloc((size_t)m->threads, sizeof *threads);
     int i, started = 0;
-    if (!threads || (m->spirv && !hbil_glslang_init())) { free(threads); return no_memory(); }
+    if (!threads || !hbil_glslang_init()) { free(threads); return no_memory(); }
     progress(m, "variants", 0, m->list.count);
     pthread_mutex_lock(&m->lock);
     while (started < m->threads && pthread_create(&threads[started], NULL, work, m) == 0) ++started;
@@ -328,7 +338,7 @@ int build_all(matrix_job *m)
     pthread_mutex_unlock(&m->lock);
     watch(m);
     for (i = 0; i < started; ++i) pthread_join(threads[i], NULL);
-    if (m->spirv) hbil_glslang_shutdown();
+    hbil_glslang_shutdown();
     free(threads);
     return started ? m->code : no_memory();
 }

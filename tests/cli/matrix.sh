@@ -139,6 +139,7 @@ while read -r config; do
         check "$pass of $config" cmp "$file" "mixed/$made"
     done
 done < configs
+check 'what each variant costs' test "$(grep -c '"cost": {"fetches": [1-9]' $json)" -ge 1
 check 'no file that the manifest does not name' test "$(find mixed/spirv -type f | wc -l)" -eq \
     "$(grep -o 'spirv/[a-z]*-[0-9a-f]*\.spv' $json | sort -u | wc -l)"
 check 'prepare is shared: one with radiance, one without' test "$(find mixed -name 'prepare-*' | wc -l)" -eq 2
