@@ -552,6 +552,22 @@ static int read_switch(arguments *a, const char *word)
     return 1;
 }
 
+/* The nearest flag, by the measure that options have. */
+static int unknown_argument(const char *word)
+{
+    static const char *const switches[] = { "--check", "--json", "--cost", "--list-options", "--list-presets", "--print-config", "--version",
+                                            "--help" };
+    const char *best = flags[0].name;
+    size_t i, count = sizeof flags / sizeof flags[0], all = count + sizeof switches / sizeof switches[0];
+    for (i = 0; i < all; ++i) {
+        const char *name = i < count ? flags[i].name : switches[i - count];
+        if (hbil__distance(name, word, strlen(word)) < hbil__distance(best, word, strlen(word))) best = name;
+    }
+    if (*word != '-') return usage("unknown argument ", word);
+    fprintf(stderr, "shadergen: unknown argument %s; did you mean %s? see shadergen --help\n", word, best);
+    return USAGE;
+}
+
 /* One round over the command line; takes up the flags of one order. */
 static int read_arguments(int argc, char **argv, int order, arguments *a, hbil_config *config)
 {
@@ -561,7 +577,7 @@ static int read_arguments(int argc, char **argv, int order, arguments *a, hbil_c
         for (k = 0; k < sizeof flags / sizeof flags[0]; ++k)
             if (strcmp(argv[i], flags[k].name) == 0 || (*flags[k].brief && strcmp(argv[i], flags[k].brief) == 0)) break;
         if (k == sizeof flags / sizeof flags[0]) {
-            if (!read_switch(a, argv[i])) return usage("unknown argument ", argv[i]);
+            if (!read_switch(a, argv[i])) return unknown_argument(argv[i]);
             continue;
         }
         if (++i == argc || !*argv[i]) return usage("no value after ", flags[k].name);

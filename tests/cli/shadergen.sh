@@ -6,48 +6,9 @@
 # A line per fault and a count at the end. Works as root, too: where a path must not be writable, a file is in its way.
 set -u
 
-if [ $# -ne 1 ] || [ ! -x "$1" ]; then
-    echo "usage: sh shadergen.sh SHADERGEN" >&2
-    exit 2
-fi
-bin=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
-work=$(mktemp -d) || exit 1
-mounted=
-cleanup() { [ -z "$mounted" ] || umount "$mounted"; rm -rf "$work"; }
-trap cleanup EXIT
-trap 'exit 1' HUP INT TERM
-cd "$work" || exit 1
-
-checks=0
-failed=0
-group=
-
-say()  { group=$1; }
-fault() { failed=$((failed + 1)); echo "FAIL  $group: $1"; }
-# Is the rest, a command, true?
-check() # WHAT COMMAND ...
-{
-    what=$1
-    shift
-    checks=$((checks + 1))
-    "$@" > check.log 2>&1 || { fault "$what"; sed 's/^/      /' check.log | head -5; }
-}
-# Runs shadergen into out.txt and err.txt, and checks its exit code.
-expect() # CODE ARGUMENT ...
-{
-    want=$1
-    shift
-    checks=$((checks + 1))
-    code=0
-    "$bin" "$@" > out.txt 2> err.txt < /dev/null || code=$?
-    [ "$code" -eq "$want" ] || { fault "exit code $code, not $want: shadergen $*"; sed 's/^/      /' err.txt | head -3; }
-}
-says()    { check "message has: $1" grep -qF -e "$1" err.txt; }
-silent()  { check "nothing on the error stream" test ! -s err.txt; }
-no_data() { check "nothing on the output" test ! -s out.txt; }
-same()    { check "$1 equals $2" cmp "$1" "$2"; }
-absent()  { check "$1 is not there" test ! -e "$1"; }
-no_temporaries() { check "no temporary file left in $1" test -z "$(find "$1" -name '*.tmp*' -type f)"; }
+command=
+# shellcheck source=tests/cli/lib.sh
+. "$(dirname "$0")/lib.sh"
 
 say 'help'
 for arguments in '' -h --help; do
@@ -134,7 +95,12 @@ say 'wrong usage'
 expect 2 --nonsense
 says '--nonsense'
 says 'see shadergen --help'
+expect 2 --formta glsl
+says 'did you mean --format?'
+expect 2 --chek
+says 'did you mean --check?'
 expect 2 march
+says 'unknown argument march; see'
 expect 2 --set=slices=4
 for flag in --set -c --config --preset --target --format --pass -o --output --explain --hook --depfile --stamp --error-format; do
     expect 2 $flag
