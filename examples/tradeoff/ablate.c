@@ -29,7 +29,7 @@ static const feature features[] = {
     {"depth mips", "mips", "mean spread weighted nearest", "mips=none", 0},
     {"interleaving", "interleave", "yes", "interleave=no", 0},
     {"noise", "noise", "ign hilbert_r2", "noise=none", 0},
-    {"light in 96 bits", "gather", "rise", "gather=packed", 0},
+    {"light in full floats", "gather", "rise", "gather=packed", 0},
     {"light at each rise", "gather", "rise packed", "gather=side", 0},
     {"ratio estimator", NULL, NULL, NULL, HBIL_SEED_COMPAT_SLICE_MEAN},
     {"exact azimuth", NULL, NULL, NULL, HBIL_SEED_COMPAT_SCREEN_AZIMUTH},
@@ -203,17 +203,16 @@ static int is_cheaper(const verdict *v, const verdict *than)
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
+/* Columns, and the full config's row. */
 static void print_head(const ablation *a)
 {
-    const capture *cap = subject_judged(&a->sub);
     const verdict *f = &a->full;
-    char           text[TEXT_MAX];
     int            k;
 
-    config_text(&f->config, ' ', text);
-    printf("### %s, %dx%d\n\nfull: `%s`\n\n| without | ms | fetches | bytes |", a->sub.name, cap->width, cap->height, text);
+    printf("| without | ms | fetches | bytes |");
     for (k = 0; k < OUTS; k++)
-        if (f->out[k].present) printf(" rmse %s, %s |", out_names[k], strcmp(a->against, "model") == 0 && isfinite(f->out[k].rmse_model) ? "scene" : "height field");
+        if (f->out[k].present)
+            printf(" rmse %s, %s |", out_names[k], error_of(a, &f->out[k]) == f->out[k].rmse_model ? "scene" : "height field");
     printf("\n|---|---|---:|---:|");
     for (k = 0; k < OUTS; k++) fputs(f->out[k].present ? "---:|" : "", stdout);
     printf("\n| (full) | %.3f | %.1f | %.1f |", f->ms, f->cost.fetches, bytes_of(f));
@@ -260,10 +259,13 @@ static void print_unused(const ablation *a)
 static int drop_each(ablation *a)
 {
     hbil_config c;
+    char        text[TEXT_MAX];
     int         i, code = set_rival(a, &a->full.config);
 
     if (code == TRADE_DONE) code = judge(a, &a->full.config, &a->full);
     if (code != TRADE_DONE) return code;
+    config_text(&a->full.config, ' ', text);
+    printf("### %s, %dx%d\n\nfull: `%s`\n\n", a->sub.name, subject_judged(&a->sub)->width, subject_judged(&a->sub)->height, text);
     print_head(a);
     for (i = 0; code == TRADE_DONE && i < FEATURES; i++) {
         a->used[i] = drop(&a->full.config, &features[i], &c);
@@ -318,6 +320,7 @@ static int print_smallest(ablation *a, verdict *best)
     if (code != TRADE_DONE) return code;
     config_text(&best->config, ' ', text);
     printf("\nsmallest within %.0f %% of the full config's error:\n\n", 100.0 * a->tolerance);
+    print_head(a);
     print_row(a, "all of these", text, best);
     config_text(&best->config, ',', text);
     printf("\n    shadergen%s%s\n\n", *text ? " --set " : "", text);
@@ -349,9 +352,10 @@ static int run_subject(ablation *a)
 static int run(ablation *a)
 {
     static subject_list list;
-    int                 i, code = TRADE_DONE;
+    int                 i, code;
 
-    if (!subject_find(&a->s, &list)) return TRADE_FILES;
+    code = subject_find(&a->s, &list);
+    if (code != TRADE_DONE) return code;
     for (i = 0; i < 2; i++) {
         a->device[i] = runner_open(a->s.backend, 0, a->s.error, sizeof a->s.error);
         if (!a->device[i]) return TRADE_BACKEND;

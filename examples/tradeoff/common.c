@@ -82,7 +82,7 @@ void settings_help(void)
           "  --set A=B,C=D     options for every config\n"
           "  --env E           light behind what is visible, as hbil-frame has it, default sky; environment=constant gets its mean\n"
           "  --repeat N        timed runs of a config, default 9\n"
-          "  --seconds S       but no more than fit into S seconds, default 10; at least 3 are made\n"
+          "  --seconds S       but no more than fit into S seconds, default 10; at least 3, or 1 where one takes longer than that\n"
           "  --converged LxTxF the converged estimator: slices, steps, frames of noise; default 16x256x2\n"
           "  --cache DIR       where truths are kept, default $XDG_CACHE_HOME/hbil-tradeoff or ~/.cache/hbil-tradeoff\n"
           "  -q                no progress\n", stdout);
@@ -309,7 +309,7 @@ const char *config_preset_of(const settings *s, const hbil_config *config, int f
 
 /* ---- progress ---------------------------------------------------------------------------------------------------- */
 
-static struct { double begun, shown; } progress; /* of the only line on stderr */
+static struct { double begun, from, shown; } progress; /* of the only line on stderr; from: what was done when it began */
 
 double seconds_now(void)
 {
@@ -328,10 +328,14 @@ void progress_show(const settings *s, double done, const char *what)
     char         left[32] = "";
     int          i;
 
-    if (progress.begun <= 0.0) progress.begun = progress.shown = now;
+    if (progress.begun <= 0.0) {
+        progress.begun = progress.shown = now;
+        progress.from = done;
+    }
     if (s->quiet || now - progress.shown < (tty ? 0.2 : 2.0)) return;
     progress.shown = now;
-    if (done > 0.0) snprintf(left, sizeof left, ", %.0f s left", (now - progress.begun) * (1.0 - done) / done);
+    if (done > progress.from)
+        snprintf(left, sizeof left, ", %.0f s left", (now - progress.begun) * (1.0 - done) / (done - progress.from));
     fputs(tty ? "\r\033[K[" : "[", stderr);
     for (i = 0; i < WIDTH; i++) fputc(i < filled ? '#' : '.', stderr);
     fprintf(stderr, "] %3.0f %%%s  %.60s%s", 100.0 * done, left, what, tty ? "" : "\n");

@@ -59,7 +59,7 @@ int  read_int(const char *text, int min, int max, int *out);
 int  read_double(const char *text, double min, double max, double *out);
 
 double seconds_now(void);
-/* A line on stderr: on a terminal rewritten, in a log every two seconds. done in [0, 1]. what: copied. */
+/* A line on stderr: on a terminal rewritten, in a log every two seconds. done in [0, 1]. */
 void progress_show(const settings *s, double done, const char *what);
 void progress_end(const settings *s);
 

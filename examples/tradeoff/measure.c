@@ -36,7 +36,7 @@ void times_sum_up(times *t)
     }
     t->median = timing_median(t->ms, t->runs);
     t->range = timing_bootstrap(t->ms, t->runs, 0.95);
-    t->noisy = t->range.high - t->range.low > NOISY * t->median;
+    t->noisy = t->runs < 3 || t->range.high - t->range.low > NOISY * t->median;
 }
 
 int measure_time(settings *s, lit *l, times *t)
@@ -47,6 +47,7 @@ int measure_time(settings *s, lit *l, times *t)
     if (!timing_warm(lit_run, l, 0.5 * s->seconds, &ms, &t->stable, s->error, sizeof s->error)) return TRADE_BACKEND;
     t->runs = s->repeat;
     while (t->runs > 3 && t->runs * ms > 500.0 * s->seconds) t->runs--;
+    if (ms > 1000.0 * s->seconds) t->runs = 1;
     if (!lit_run(l, t->runs, t->ms, s->error, sizeof s->error)) return TRADE_BACKEND;
     times_sum_up(t);
     return TRADE_DONE;
@@ -69,17 +70,21 @@ static void compare(const image *out, const image *converged, const image *model
     }
 }
 
-/* The frames after the one that was judged, with a still camera. */
+/* The frames after the one that was judged, with a still camera; none where the first of them takes too long. */
 static int measure_flicker(settings *s, lit *l, const truth *t, errors out[OUTS])
 {
-    image frames[FLICKER_FRAMES][OUTS], row[FLICKER_FRAMES];
-    int   f, k, ok = 1;
+    const double begun = seconds_now();
+    image        frames[FLICKER_FRAMES][OUTS], row[FLICKER_FRAMES];
+    int          f, k, ok = 1, slow = 0;
 
     memset(frames, 0, sizeof frames);
-    for (f = 0; ok && f < FLICKER_FRAMES; f++) ok = lit_next(l, frames[f], s->error, sizeof s->error);
+    for (f = 0; ok && !slow && f < FLICKER_FRAMES; f++) {
+        ok = lit_next(l, frames[f], s->error, sizeof s->error);
+        slow = f == 0 && seconds_now() - begun > s->seconds;
+    }
     for (k = 0; k < OUTS; k++) {
         for (f = 0; f < FLICKER_FRAMES; f++) row[f] = frames[f][k];
-        if (ok && out[k].present) out[k].flicker = metric_flicker(row, FLICKER_FRAMES, t->surface);
+        if (ok && !slow && out[k].present) out[k].flicker = metric_flicker(row, FLICKER_FRAMES, t->surface);
         for (f = 0; f < FLICKER_FRAMES; f++) image_free(&row[f]);
     }
     return ok;

@@ -11,7 +11,7 @@ typedef struct errors {
     double rmse_estimator;              /* of that one against the height field */
     double rmse_model, bias_model, p95_model; /* against the scene */
     double rmse_field, bias_field;      /* against the height field */
-    double flicker;                     /* of a still camera */
+    double flicker;                     /* of a still camera; not measured where a run takes long */
 } errors;
 
 typedef struct times {
@@ -19,7 +19,7 @@ typedef struct times {
     int      runs, stable;              /* stable: the warm-up came to rest */
     double   min, median, max;
     interval range;                     /* of the median, 95 % */
-    int      noisy;                     /* that is wider than 10 % of it */
+    int      noisy;                     /* that is wider than 10 % of it, or there is no saying */
 } times;
 
 /* Per pixel of the frame, an upper bound, see shadergen/cost.h; loops of unknown length count one step. */

@@ -35,9 +35,9 @@ static void print_side(const pair *p, int side, const hbil_plan *plan, const tim
     char text[TEXT_MAX];
 
     config_text(&plan->config, ' ', text);
-    printf("%c  %-40s %9.3f ms [%.3f, %.3f]  %6.1f fetches, %6.1f B read, %5.1f B written, %d registers\n", "AB"[side],
-           p->text[side], t->median, t->range.low, t->range.high, cost->fetches, cost->bytes_read, cost->bytes_written, cost->registers);
-    printf("   %s\n", *text ? text : "defaults");
+    printf("%c  %s\n   %s\n", "AB"[side], p->text[side], *text ? text : "defaults");
+    printf("   %.3f ms [%.3f, %.3f]; per pixel %.1f fetches, %.1f bytes read, %.1f written; %d registers\n", t->median, t->range.low,
+           t->range.high, cost->fetches, cost->bytes_read, cost->bytes_written, cost->registers);
 }
 
 static void print_errors(const errors a[OUTS], const errors b[OUTS])
@@ -46,9 +46,16 @@ static void print_errors(const errors a[OUTS], const errors b[OUTS])
 
     printf("%-8s %9s %9s %9s %9s %9s %9s\n", "rmse", "model A", "B", "field A", "B", "sampl. A", "B");
     for (k = 0; k < OUTS; k++)
-        if (a[k].present || b[k].present)
-            printf("%-8s %9.4f %9.4f %9.4f %9.4f %9.4f %9.4f\n", out_names[k], a[k].rmse_model, b[k].rmse_model, a[k].rmse_field,
-                   b[k].rmse_field, a[k].rmse_sampling, b[k].rmse_sampling);
+        if (a[k].present || b[k].present) {
+            const double values[] = {a[k].rmse_model, b[k].rmse_model, a[k].rmse_field, b[k].rmse_field, a[k].rmse_sampling,
+                                     b[k].rmse_sampling};
+            size_t       i;
+
+            printf("%-8s", out_names[k]);
+            for (i = 0; i < sizeof values / sizeof *values; i++)
+                printf(isfinite(values[i]) ? " %9.4f" : "         -", values[i]);
+            putchar('\n');
+        }
 }
 
 /* Errors of one side; its images come before the times. */
@@ -116,13 +123,14 @@ static int run(pair *p)
 {
     static subject_list list;
     subject             sub;
-    int                 i, code = TRADE_DONE;
+    int                 i, code;
 
     if (p->count < 2) {
         frame_error(p->s.error, sizeof p->s.error, "pair wants two configs, as in: pair fast balanced --scene cornell");
         return TRADE_USAGE;
     }
-    if (!subject_find(&p->s, &list)) return TRADE_FILES;
+    code = subject_find(&p->s, &list);
+    if (code != TRADE_DONE) return code;
     for (i = 0; i < 2; i++) {
         p->device[i] = runner_open(p->s.backend, 0, p->s.error, sizeof p->s.error);
         if (!p->device[i]) return TRADE_BACKEND;

@@ -97,10 +97,10 @@ static int find_scenes(settings *s, subject_list *out)
 int subject_find(settings *s, subject_list *out)
 {
     memset(out, 0, sizeof *out);
-    if (s->frames && !find_frames(s, out)) return 0;
-    if (s->scenes && !find_scenes(s, out)) return 0;
+    if (s->frames && !find_frames(s, out)) return TRADE_FILES;
+    if (s->scenes && !find_scenes(s, out)) return TRADE_USAGE;
     qsort(out->items, (size_t)out->count, sizeof *out->items, compare_names);
-    return 1;
+    return TRADE_DONE;
 }
 
 static const settings *tracing; /* for the callback of capture_scene, which carries no pointer */

@@ -22,7 +22,7 @@ typedef struct subject {
     int      count;
 } subject;
 
-/* All of --frames and --scene, sorted. 1, or 0: s->error says why there are none. */
+/* All of --frames and --scene, sorted. An exit code; s->error says why there are none. */
 int            subject_find(settings *s, subject_list *out);
 /* Reads or traces it. An exit code; s->error says why. */
 int            subject_load(settings *s, const subject_name *name, subject *out);

@@ -269,7 +269,9 @@ static int run(sweep *w)
 
     if (code != TRADE_DONE) return code;
     if (!list_configs(w)) return TRADE_USAGE;
-    if (!subject_find(&w->s, &list) || !rows_open(&w->r, w->out, w->s.error, sizeof w->s.error)) return TRADE_FILES;
+    code = subject_find(&w->s, &list);
+    if (code != TRADE_DONE) return code;
+    if (!rows_open(&w->r, w->out, w->s.error, sizeof w->s.error)) return TRADE_FILES;
     if (w->r.repaired) fprintf(stderr, "hbil-tradeoff: %s: a torn last line of %d bytes was cut off\n", w->out, w->r.repaired);
     w->device = runner_open(w->s.backend, 0, w->s.error, sizeof w->s.error);
     for (i = 0, code = w->device ? TRADE_DONE : TRADE_BACKEND; code == TRADE_DONE && i < list.count; i++)

@@ -333,14 +333,13 @@ static int average(settings *s, lit *l, image out[OUTS])
     l->frame.reset = 1;
     l->frame.index = UINT32_MAX; /* lit_next counts from 0 on */
     for (f = 0; ok && f < warm + frames; f++) {
-        progress_show(s, (double)f / (warm + frames), "the converged estimator");
+        if (!s->quiet) fprintf(stderr, "hbil-tradeoff: the converged estimator, frame %d of %d\n", f + 1, warm + frames);
         ok = lit_next(l, one, s->error, sizeof s->error);
         for (k = 0; ok && k < OUTS; k++)
             if (one[k].data && !out[k].data) ok = image_make(&out[k], one[k].width, one[k].height, one[k].channels);
         if (ok && f >= warm) add_images(out, one, 1.0f / (float)frames);
         for (k = 0; k < OUTS; k++) image_free(&one[k]);
     }
-    progress_end(s);
     return ok;
 }
 
