@@ -53,6 +53,8 @@
  *
  *   texels     row 0 is ndc y = -1, in Vulkan, GL and files alike. Pixel (x, y) has its centre at (x + 0.5, y + 0.5) and
  *              ndc = 2 (pixel centre) / size - 1. If your images are stored the other way up, negate row 1 of the projection.
+ *              An engine that renders upside down into textures (D3D's way on GL, OGRE) has such a projection: hand over the one that
+ *              it rendered with. A wrong sign shows as a floor that is nearly black.
  *   matrices   column-major floats, column vectors: clip = projection * view * world. m[4 * column + row].
  *   projection perspective (clip w = -z or +z of view space) or orthographic; off-centre, jittered and left-handed are read
  *              from the matrix. view x alone must make clip x, and y clip y.

@@ -62,6 +62,10 @@ int  cost_of_words(const hbil_plan *plan, int32_t pass, const uint32_t *words, s
  * stderr. */
 int  cost_of_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cost *out);
 int  cost_of_plan(const hbil_plan *plan, const hook_file *hook, cost_total *out);
+/* The same of many plans: texts that were compiled already are kept. Zero it first; a thread each. hbil_glslang_init has been called. */
+typedef struct cost_cache { struct cost_compiled *items; int count; } cost_cache;
+int  cost_of_plans(const hbil_plan *plan, cost_cache *cache, cost_total *out);
+void cost_cache_free(cost_cache *cache);
 /* What a pixel of the pass's grid does; out->enters times the unknown comes on top. A walk of a LINES grid passes
  * each pixel of its layer once: a pixel has one step of it in each layer. */
 void cost_per_pixel(const hbil_plan *plan, int32_t pass, const cost *c, cost_counts *out);

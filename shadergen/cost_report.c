@@ -21,17 +21,19 @@ static void add(cost_counts *to, const cost_counts *c, double factor)
 
 /* ------------------------------------------------------------------------------------------------------------ plans */
 
-/* Texts that were compiled already: most options change one pass of many. */
-typedef struct compiled { char *text; uint32_t *words; size_t count; } compiled;
-typedef struct cache { compiled *items; int count; } cache;
+typedef struct cost_compiled { char *text; uint32_t *words; size_t count; } compiled;
+typedef cost_cache cache;
 
-static void cache_free(cache *c)
+void cost_cache_free(cost_cache *c)
 {
-    while (c->count--) {
+    while (c->count > 0) {
+        --c->count;
         free(c->items[c->count].text);
         free(c->items[c->count].words);
     }
     free(c->items);
+    c->items = NULL;
+    c->count = 0;
 }
 
 /* The text behind the head, which names the whole config. */
@@ -104,7 +106,7 @@ int cost_of_pass(const hbil_plan *plan, int32_t pass, const hook_file *hook, cos
     if (code != DONE || pass < 0 || pass >= (int32_t)vulkan.pass_count) return CONFIG;
     if (!hbil_glslang_init()) { fprintf(stderr, "shadergen: glslang does not start\n"); return IO; }
     code = count_pass(&vulkan, pass, hook, &c, out);
-    cache_free(&c);
+    cost_cache_free(&c);
     hbil_glslang_shutdown();
     return code;
 }
@@ -167,6 +169,20 @@ static int count_plan(const hbil_plan *plan, const hook_file *hook, cache *c, co
     return code;
 }
 
+int cost_of_plans(const hbil_plan *plan, cost_cache *c, cost_total *out)
+{
+    hbil_plan vulkan;
+    cost *one = (cost *)malloc(sizeof *one);
+    int code = as_vulkan(plan, &vulkan);
+    if (!one) {
+        fprintf(stderr, "shadergen: out of memory\n");
+        return IO;
+    }
+    if (code == DONE) code = count_plan(&vulkan, NULL, c, one, out);
+    free(one);
+    return code;
+}
+
 int cost_of_plan(const hbil_plan *plan, const hook_file *hook, cost_total *out)
 {
     hbil_plan vulkan;
@@ -179,7 +195,7 @@ int cost_of_plan(const hbil_plan *plan, const hook_file *hook, cost_total *out)
         return IO;
     }
     if (code == DONE) code = count_plan(&vulkan, hook, &c, one, out);
-    cache_free(&c);
+    cost_cache_free(&c);
     free(one);
     hbil_glslang_shutdown();
     return code;
@@ -436,7 +452,7 @@ int cost_print(FILE *out, const hbil_plan *plan, const hook_file *hook)
     r->hook = hook;
     r->start = time(NULL);
     if (code == DONE) code = print_report(r);
-    cache_free(&r->cache);
+    cost_cache_free(&r->cache);
     free(r);
     hbil_glslang_shutdown();
     return code;

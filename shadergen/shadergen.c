@@ -6,6 +6,7 @@
 
 #include "build.h"
 #include "cost.h"
+#include "matrix.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -27,7 +28,8 @@ static int    source_count, msvc; /* msvc: how faults of config files are writte
 static int help(FILE *f, int code)
 {
     fputs("shadergen - writes the shaders of a horizon-based lighting config\n\n"
-          "usage: shadergen [config] [output]\n\n"
+          "usage: shadergen [config] [output]\n"
+          "       shadergen matrix FILE -o DIR    all combinations of lists of values; see shadergen matrix --help\n\n"
           "config, later wins over earlier, --set over all:\n"
           "  --preset NAME           start from a preset (see --list-presets)\n"
           "  -c, --config FILE       name=value pairs, # comments; - is standard input; may be repeated\n"
@@ -633,7 +635,7 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    int code = run(argc, argv), i;
+    int code = argc > 1 && strcmp(argv[1], "matrix") == 0 ? matrix(argc - 1, argv + 1) : run(argc, argv), i;
     for (i = 0; i < source_count; ++i) free(sources[i].text);
     if (code == DONE && (fflush(stdout) != 0 || ferror(stdout))) {
         fprintf(stderr, "shadergen: cannot write -: %s\n", strerror(errno));

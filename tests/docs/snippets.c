@@ -25,7 +25,7 @@ static int gl_start(const hbil_plan *plan, void *(*get_proc)(void *user, const c
     return hbil_gl_init(&info, &gl_light) == HBIL_GL_OK;     /* if not: gl_light.message says what to do */
 }
 
-/* When the size or a texture changes: your GL names, by the names of the plan. */
+/* When the size or a texture changes: your GL names, by the names of the plan (-1: this plan has no such texture). */
 static int gl_size(const hbil_plan *plan, uint32_t width, uint32_t height, unsigned depth, unsigned normal, unsigned ao)
 {
     unsigned textures[HBIL_MAX_TEXTURES] = {0};

