@@ -144,6 +144,11 @@ static int recommend(const csv *table, const arguments *a)
     int          code = DONE;
 
     if (!points_make(&p, table, &a->selection, error, sizeof error)) return fail(MISFIT, error);
+    if (p.left_out > 0) {
+        snprintf(error, sizeof error, "note: %d configs lack some of the %d frames and are left out. Resume the sweep", p.left_out,
+                 p.frame_count);
+        fail(0, error);
+    }
     best = recommend_choose(&p, &a->wish);
     if (best) {
         print_point("best", &p, &a->selection, best);
@@ -158,7 +163,7 @@ static int recommend(const csv *table, const arguments *a)
 
 /* ---- held-out frames --------------------------------------------------------------------------------------------- */
 
-/* Chosen and predicted by `others`, compared on `one`. 1: within the tolerance. */
+/* Chosen and predicted by `others`, compared on `one`. 1: within the tolerance, 0: beyond, -1: not measured. */
 static int compare(const points *others, const points *one, const point *best, const arguments *a)
 {
     const char  *hash = best->row->text[CSV_config_hash], *frame = one->frames[0]->text[CSV_frame];
@@ -180,7 +185,7 @@ static int compare(const points *others, const points *one, const point *best, c
     if (anchor) printf(" and from %s on this one (%.4f without)", a->anchor, best->error);
     if (!actual) {
         puts("; not measured on it");
-        return 0;
+        return -1;
     }
     off = actual->error / predicted - 1.0;
     printf("; measured %.4f, %+.1f %%: %s %.0f %%\n", actual->error, 100.0 * off, fabs(off) <= TOLERANCE ? "within" : "beyond",
@@ -188,6 +193,8 @@ static int compare(const points *others, const points *one, const point *best, c
     return fabs(off) <= TOLERANCE;
 }
 
+/* As compare; 0 also if there is nothing to compare. Where the frame was swept, the choice is among what was measured on it; where it
+ * has the anchor's line only, among all. */
 static int hold_out(const csv *table, const arguments *a, const char *frame)
 {
     selection    s = a->selection;
@@ -201,9 +208,11 @@ static int hold_out(const csv *table, const arguments *a, const char *frame)
     s.except = NULL;
     s.only = frame;
     if (points_make(&one, table, &s, error, sizeof error)) {
-        best = recommend_choose(&others, &a->wish);
+        if (one.count > 1) points_keep(&others, &one);
+        best = others.count > 0 ? recommend_choose(&others, &a->wish) : NULL;
         if (best) within = compare(&others, &one, best, a);
-        else nothing_fits(&others, &a->selection);
+        else if (others.count > 0) nothing_fits(&others, &a->selection);
+        else fail(0, "no config is measured on this frame and on all others");
         points_free(&one);
     } else {
         fail(0, error);
@@ -212,30 +221,41 @@ static int hold_out(const csv *table, const arguments *a, const char *frame)
     return within;
 }
 
+/* 1: no line before this one has its frame and the output. */
+static int is_first(const csv *table, int row, const char *output)
+{
+    int i;
+
+    if (strcmp(table->rows[row].text[CSV_output], output) != 0) return 0;
+    for (i = 0; i < row; i++)
+        if (strcmp(table->rows[i].text[CSV_output], output) == 0
+            && strcmp(table->rows[i].text[CSV_frame], table->rows[row].text[CSV_frame]) == 0) return 0;
+    return 1;
+}
+
 static int hold_out_all(const csv *table, const arguments *a)
 {
-    points p;
-    char   error[1024];
-    int    i, held = 0, within = 0;
+    int i, one, found = 0, held = 0, within = 0;
 
-    if (!points_make(&p, table, &a->selection, error, sizeof error)) return fail(MISFIT, error);
-    for (i = 0; i < p.frame_count; i++) {
-        const char *frame = p.frames[i]->text[CSV_frame];
+    for (i = 0; i < table->count; i++) {
+        const char *frame = table->rows[i].text[CSV_frame];
 
-        if (i > 0 && strcmp(frame, p.frames[i - 1]->text[CSV_frame]) == 0) continue; /* the same in another size */
+        if (!is_first(table, i, a->selection.output)) continue;
         if (strcmp(a->holdout, "all") != 0 && strcmp(a->holdout, frame) != 0) continue;
-        held++;
-        within += hold_out(table, a, frame);
+        found = 1;
+        one = hold_out(table, a, frame);
+        held += one >= 0;
+        within += one > 0;
     }
-    if (held == 0) {
-        fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame. There are: all", a->holdout);
-        for (i = 0; i < p.frame_count; i++) fprintf(stderr, " %s", p.frames[i]->text[CSV_frame]);
+    if (!found) {
+        fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame of %s. There are: all", a->holdout, a->selection.output);
+        for (i = 0; i < table->count; i++)
+            if (is_first(table, i, a->selection.output)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
         fputc('\n', stderr);
-    } else if (held > 1) {
-        printf("%d of %d within %.0f %%\n", within, held, 100.0 * TOLERANCE);
+        return USAGE;
     }
-    points_free(&p);
-    return held == 0 ? USAGE : within == held ? DONE : MISFIT;
+    if (held > 1) printf("%d of %d within %.0f %%\n", within, held, 100.0 * TOLERANCE);
+    return within == held ? DONE : MISFIT;
 }
 
 /* ---- ready ------------------------------------------------------------------------------------------------------- */

@@ -210,6 +210,16 @@ const point *points_find(const points *p, const char *name)
     return NULL;
 }
 
+void points_keep(points *p, const points *also)
+{
+    int i, kept = 0;
+
+    for (i = 0; i < p->count; i++)
+        if (points_find(also, p->list[i].row->text[CSV_config_hash])) p->list[kept++] = p->list[i];
+    p->count = kept;
+    mark_front(p);
+}
+
 static double ratio(double mine, double other) { return mine > other ? mine / other : 1.0; }
 
 double front_dominated(const points *sets, int set_count, const char *config_hash, const point **by)

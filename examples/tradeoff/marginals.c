@@ -69,22 +69,24 @@ static char *rest_of(const char *config, const char *option, const char *second)
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-static int is_number(const char *text)
+/* Where a value stands: a choice in the order of hbil.h, a number by its size; other words behind them. */
+static double rank_of(const char *option, const char *value)
 {
-    char *end;
+    const int32_t index = hbil_option_find(option, strlen(option), NULL);
+    const size_t  length = strlen(value);
+    const char   *choice = index >= 0 && hbil_option_at(index)->choices ? hbil_option_at(index)->choices : "";
+    char         *end;
+    double        number;
+    int           rank;
 
-    strtod(text, &end);
-    return *text && !*end;
-}
+    for (rank = 0; *choice; rank++) {
+        const size_t size = strcspn(choice, " ");
 
-/* Numbers by size and before words, words by letters. */
-static int value_order(const void *a, const void *b)
-{
-    const char *x = a, *y = b;
-    const int   x_number = is_number(x), y_number = is_number(y);
-
-    if (!x_number || !y_number) return x_number != y_number ? y_number - x_number : strcmp(x, y);
-    return (strtod(x, NULL) > strtod(y, NULL)) - (strtod(x, NULL) < strtod(y, NULL));
+        if (size == length && strncmp(choice, value, size) == 0) return rank;
+        choice += size + (choice[size] != 0);
+    }
+    number = strtod(value, &end);
+    return *value && !*end ? number : HUGE_VAL;
 }
 
 static int value_index(char (*values)[MARGINAL_TEXT], int count, const char *value)
@@ -96,19 +98,20 @@ static int value_index(char (*values)[MARGINAL_TEXT], int count, const char *val
     return -1;
 }
 
-/* The values of an option over all configs, sorted. How many; MARGINAL_VALUES + 1: too many. */
+/* The values of an option over all configs, in order. How many; MARGINAL_VALUES + 1: too many. */
 static int list_values(const points *p, const char *option, char (*values)[MARGINAL_TEXT])
 {
     char value[MARGINAL_TEXT];
-    int  i, count = 0;
+    int  i, at, count = 0;
 
     for (i = 0; i < p->count; i++) {
         config_value(p->list[i].row->text[CSV_config], option, value);
         if (value_index(values, count, value) >= 0) continue;
         if (count == MARGINAL_VALUES) return MARGINAL_VALUES + 1;
-        memcpy(values[count++], value, sizeof value);
+        for (at = count++; at > 0 && rank_of(option, values[at - 1]) > rank_of(option, value); at--)
+            memcpy(values[at], values[at - 1], sizeof value);
+        memcpy(values[at], value, sizeof value);
     }
-    qsort(values, (size_t)count, sizeof *values, value_order);
     return count;
 }
 

@@ -7,7 +7,7 @@
 #define MARGINAL_TEXT   64 /* bytes of an option's name or value */
 #define MARGINAL_VALUES 32
 
-/* An option that the sweep varies. Values ascend if they are numbers. error and ms: factors against the first value that can be compared
+/* An option that the sweep varies. Numbers ascend; choices are in the order of hbil.h. error and ms: factors against the first value that can be compared
  * with another (1); each step is the geometric mean over all pairs of configs that differ in this option alone, of the value and of
  * the nearest one before it that has such pairs. NaN and pairs 0: none. */
 typedef struct marginal {

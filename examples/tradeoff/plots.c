@@ -121,6 +121,28 @@ static void front_data(FILE *out, const points *p)
     }
 }
 
+/* Both ends of an axis with a logarithmic scale, and names at 1, 2 and 5 times each power of ten, at more where it is short. */
+static void log_axis(FILE *out, char axis, double low, double high)
+{
+    static const double steps[] = {1.0, 2.0, 5.0, 1.2, 1.5, 2.5, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0};
+    const int           count = high > 3.0 * low ? 3 : 12;
+    const char         *comma = "";
+    int                 decade, k;
+
+    fprintf(out, "set %crange [%.9g:%.9g]\nset %ctics (", axis, low, high, axis);
+    for (decade = (int)floor(log10(low)); decade <= (int)floor(log10(high)); decade++) {
+        for (k = 0; k < count; k++) {
+            const double tic = steps[k] * pow(10.0, decade);
+
+            if (tic < low || tic > high) continue;
+            fprintf(out, "%s'%g' %.9g", comma, tic, tic);
+            comma = ",";
+        }
+    }
+    if (!*comma) fprintf(out, "'%.3g' %.9g", sqrt(low * high), sqrt(low * high)); /* between two of them */
+    fputs(")\n", out);
+}
+
 static int presets_count(const points *p)
 {
     int i, count = 0;
@@ -129,7 +151,7 @@ static int presets_count(const points *p)
     return count;
 }
 
-/* Room beyond the points, and the same in all plots of one file; gnuplot's own would end at a decade. */
+/* Room beyond the points: for what is written right of them, most on that side. */
 static void front_ranges(FILE *out, const points *p)
 {
     double low = (double)INFINITY, high = 0.0;
@@ -139,8 +161,8 @@ static void front_ranges(FILE *out, const points *p)
         if (p->list[i].error > 0.0) low = fmin(low, p->list[i].error);
         high = fmax(high, p->list[i].error);
     }
-    if (high > 0.0) fprintf(out, "set yrange [%.9g:%.9g]\n", low / 1.25, high * 1.25);
-    fprintf(out, "set xrange [%.9g:%.9g]\n", p->list[0].ms / 1.25, p->list[p->count - 1].ms * 1.6);
+    if (high > 0.0) log_axis(out, 'y', low / 1.25, high * 1.25);
+    log_axis(out, 'x', p->list[0].ms / 1.25, p->list[p->count - 1].ms * 1.6);
 }
 
 static void draw_front(FILE *out, const picture *pic)
@@ -173,11 +195,13 @@ static void draw_front(FILE *out, const picture *pic)
 static void draw_marginal(FILE *out, const marginal *m)
 {
     double low = 1.0, high = 1.0;
+    size_t letters = 0;
     int    i;
 
+    for (i = 0; i < m->values; i++) letters += strlen(m->value[i]) + 2;
     fputs("set title ", out);
     quoted(out, m->option);
-    fputs("\nset xtics rotate by -30 (", out);
+    fprintf(out, "\nset xtics %s (", letters > 32 ? "rotate by -30" : "norotate");
     for (i = 0; i < m->values; i++) {
         if (i) fputc(',', out);
         quoted(out, m->value[i]);
@@ -186,7 +210,8 @@ static void draw_marginal(FILE *out, const marginal *m)
         low = fmin(low, fmin(m->error[i], m->ms[i]));
         high = fmax(high, fmax(m->error[i], m->ms[i]));
     }
-    fprintf(out, ")\nset xrange [-0.4:%g]\nset yrange [%.9g:%.9g]\n", m->values - 0.6, low / 1.15, high * 1.15);
+    fprintf(out, ")\nset xrange [-0.4:%g]\n", m->values - 0.6);
+    log_axis(out, 'y', low / 1.15, high * 1.15);
     fputs("$d << END\n", out);
     for (i = 0; i < m->values; i++)
         if (isfinite(m->error[i])) fprintf(out, "%d %.9g %.9g\n", i, m->error[i], m->ms[i]);
@@ -201,7 +226,7 @@ static void draw_marginals(FILE *out, const picture *pic)
 
     fprintf(out, "set multiplot layout %d,%d title ", (pic->count + columns - 1) / columns, columns);
     quoted(out, pic->title);
-    fputs("\nset logscale y\nset key top left samplen 2\nset format y '%g'\nset mytics 2\n", out);
+    fputs("\nset logscale y\nset key below center horizontal samplen 2\n", out);
     for (i = 0; i < pic->count; i++) draw_marginal(out, &pic->marginals[i]);
     fputs("unset multiplot\n", out);
 }

@@ -69,23 +69,23 @@ static int shown(const points *p, const selection *s, int extra)
     return extras[extra].column != s->error && known(p, extras[extra].column);
 }
 
-static void write_head(FILE *out, const points *p, const selection *s)
+static void write_head(FILE *out, const points *p, const selection *s, int on_front)
 {
     int k;
 
     fprintf(out, "| preset | ms | over frames | %s | over frames |", csv_number_name(s->error));
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) fprintf(out, " %s |", csv_number_name(extras[k].column));
-    fputs(" dominated by | config |\n|---|---:|---|---:|---|", out);
+    fprintf(out, "%s config |\n|---|---:|---|---:|---|", on_front ? "" : " dominated by |");
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) fputs("---:|", out);
-    fputs("---|---|\n", out);
+    fputs(on_front ? "---|\n" : "---|---|\n", out);
 }
 
 static void write_point(FILE *out, const points *p, const selection *s, const point *q)
 {
-    const point *by;
-    const double gain = front_dominated(p, 1, q->row->text[CSV_config_hash], &by);
+    const point *by = NULL;
+    const double gain = q->on_front ? 0.0 : front_dominated(p, 1, q->row->text[CSV_config_hash], &by);
     const char  *preset = q->row->text[CSV_preset], *config = q->row->text[CSV_config];
     int          k;
 
@@ -97,7 +97,6 @@ static void write_point(FILE *out, const points *p, const selection *s, const po
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) cell(out, extras[k].format, q->mean[extras[k].column]);
     if (by) fprintf(out, " %.1f %%: %.4g ms, %.4f |", 100.0 * gain, by->ms, by->error);
-    else fputs(" nobody |", out);
     if (config[0]) fprintf(out, " `%s` |\n", config);
     else fputs(" the defaults |\n", out);
 }
@@ -107,13 +106,13 @@ static void write_tables(FILE *out, const points *p, const selection *s)
     int i, presets = 0;
 
     fputs("The Pareto front, fastest first:\n\n", out);
-    write_head(out, p, s);
+    write_head(out, p, s, 1);
     for (i = 0; i < p->count; i++)
         if (p->list[i].on_front) write_point(out, p, s, &p->list[i]);
     for (i = 0; i < p->count; i++) presets += p->list[i].row->text[CSV_preset][0] && !p->list[i].on_front;
     if (!presets) return;
     fputs("\nPresets that are not on it:\n\n", out);
-    write_head(out, p, s);
+    write_head(out, p, s, 0);
     for (i = 0; i < p->count; i++)
         if (p->list[i].row->text[CSV_preset][0] && !p->list[i].on_front) write_point(out, p, s, &p->list[i]);
 }
