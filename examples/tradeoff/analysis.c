@@ -28,23 +28,24 @@ static void print_help(FILE *out)
     fputs("usage: hbil-tradeoff report --csv FILE -o DIR [options]\n"
           "       hbil-tradeoff recommend --csv FILE (--budget-ms MS | --max-rmse E) [options]\n"
           "Says what a sweep has measured: which configs are worth their time.\n\n"
-          "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of each option alone, and of\n"
-          "slices against steps, as SVG and PNG through gnuplot\n"
+          "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of each option alone,\n"
+          "and of slices against steps, as SVG and PNG through gnuplot\n"
           "  -o DIR          made if need be\n"
           "  --no-plots      tables only\n\n"
           "recommend: the best config that was measured, its neighbours on the front, and the shadergen command\n"
           "  --budget-ms MS  the least error within this time\n"
           "  --max-rmse E    the fastest within this error\n"
-          "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured there.\n"
-          "                  all: each frame in turn\n"
-          "  --anchor P      with --holdout: of F, too, what preset or config hash P measured is known. Scenes differ more than\n"
-          "                  configs: one run of P on a new frame tells how hard it is\n\n"
+          "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
+          "                  there. all: each frame in turn\n"
+          "  --anchor P      with --holdout: what preset or config hash P measured on F is known, too. Scenes differ\n"
+          "                  more than configs: one run of P on a new frame tells how hard it is\n\n"
           "both:\n"
           "  --output O      ao, near or far; default ao, for report all\n"
-          "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling (against the same\n"
-          "                  estimator, converged) or rmse_estimator; default: the first of these that is measured\n"
+          "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling (against\n"
+          "                  the same estimator, converged) or rmse_estimator; default: the first that is measured\n"
           "  --backend B, --device D   if the CSV holds several\n\n"
-          "exit: 0 done, 1 nothing fits, or a prediction of --holdout is off by more than 25 %, 2 wrong usage, 3 cannot read or write\n",
+          "exit: 0 done, 1 nothing fits, or a prediction of --holdout is off by more than 25 %, 2 wrong usage,\n"
+          "      3 cannot read or write\n",
           out);
 }
 
@@ -117,9 +118,11 @@ static void print_point(const char *what, const points *p, const selection *s, c
     const char *config = q->row->text[CSV_config], *preset = q->row->text[CSV_preset];
     char       *command = recommend_command(config);
 
-    printf("%-9s %s%s%s%s\n", what, config[0] ? config : "the defaults", preset[0] ? " (" : "", preset, preset[0] ? ")" : "");
-    printf("          %s of %s %.4f (%.4f to %.4f over %d frame%s), %.4g ms (%.4g to %.4g)\n", csv_number_name(s->error), s->output,
-           q->error, q->low, q->high, p->frame_count, p->frame_count == 1 ? "" : "s", q->ms, q->ms_low, q->ms_high);
+    printf("%-9s %s%s%s%s\n", what, config[0] ? config : "the defaults", preset[0] ? " (" : "", preset,
+           preset[0] ? ")" : "");
+    printf("          %s of %s %.4f (%.4f to %.4f over %d frame%s), %.4g ms (%.4g to %.4g)\n",
+           csv_number_name(s->error), s->output, q->error, q->low, q->high, p->frame_count,
+           p->frame_count == 1 ? "" : "s", q->ms, q->ms_low, q->ms_high);
     if (command) printf("          %s\n", command);
     free(command);
 }
@@ -130,9 +133,10 @@ static int nothing_fits(const points *p, const selection *s)
     char         message[512];
 
     while (!best->on_front) best--;
-    snprintf(message, sizeof message, "nothing fits: the fastest of %d configs takes %.4g ms, the most accurate has a %s of %s of %.4f "
-             "and takes %.4g ms. Allow more, or sweep other options", p->count, p->list[0].ms, csv_number_name(s->error), s->output,
-             best->error, best->ms);
+    snprintf(message, sizeof message,
+             "nothing fits: the fastest of %d configs takes %.4g ms, the most accurate has a %s of %s of %.4f "
+             "and takes %.4g ms. Allow more, or sweep other options", p->count, p->list[0].ms,
+             csv_number_name(s->error), s->output, best->error, best->ms);
     return fail(MISFIT, message);
 }
 
@@ -145,14 +149,15 @@ static int recommend(const csv *table, const arguments *a)
 
     if (!points_make(&p, table, &a->selection, error, sizeof error)) return fail(MISFIT, error);
     if (p.left_out > 0) {
-        snprintf(error, sizeof error, "note: %d configs lack some of the %d frames and are left out. Resume the sweep", p.left_out,
-                 p.frame_count);
+        snprintf(error, sizeof error, "note: %d configs lack some of the %d frames and are left out. Resume the sweep",
+                 p.left_out, p.frame_count);
         fail(0, error);
     }
     best = recommend_choose(&p, &a->wish);
     if (best) {
         print_point("best", &p, &a->selection, best);
-        if ((neighbour = recommend_neighbour(&p, best, -1)) != NULL) print_point("faster", &p, &a->selection, neighbour);
+        if ((neighbour = recommend_neighbour(&p, best, -1)) != NULL)
+            print_point("faster", &p, &a->selection, neighbour);
         if ((neighbour = recommend_neighbour(&p, best, 1)) != NULL) print_point("better", &p, &a->selection, neighbour);
     } else {
         code = nothing_fits(&p, &a->selection);
@@ -180,21 +185,22 @@ static int compare(const points *others, const points *one, const point *best, c
     }
     predicted = recommend_predict(others, best, anchor, anchor ? anchor_there->error : 0.0);
     printf("%s: %s\n  predicted %s of %s %.4f from %d other frame%s", frame,
-           best->row->text[CSV_config][0] ? best->row->text[CSV_config] : "the defaults", csv_number_name(a->selection.error),
-           a->selection.output, predicted, others->frame_count, others->frame_count == 1 ? "" : "s");
+           best->row->text[CSV_config][0] ? best->row->text[CSV_config] : "the defaults",
+           csv_number_name(a->selection.error), a->selection.output, predicted, others->frame_count,
+                   others->frame_count == 1 ? "" : "s");
     if (anchor) printf(" and from %s on this one (%.4f without)", a->anchor, best->error);
     if (!actual) {
         puts("; not measured on it");
         return -1;
     }
     off = actual->error / predicted - 1.0;
-    printf("; measured %.4f, %+.1f %%: %s %.0f %%\n", actual->error, 100.0 * off, fabs(off) <= TOLERANCE ? "within" : "beyond",
-           100.0 * TOLERANCE);
+    printf("; measured %.4f, %+.1f %%: %s %.0f %%\n", actual->error, 100.0 * off,
+           fabs(off) <= TOLERANCE ? "within" : "beyond", 100.0 * TOLERANCE);
     return fabs(off) <= TOLERANCE;
 }
 
-/* As compare; 0 also if there is nothing to compare. Where the frame was swept, the choice is among what was measured on it; where it
- * has the anchor's line only, among all. */
+/* As compare; 0 also if there is nothing to compare. Where the frame was swept, the choice is among what was measured
+ * on it; where it has the anchor's line only, among all. */
 static int hold_out(const csv *table, const arguments *a, const char *frame)
 {
     selection    s = a->selection;
@@ -248,7 +254,8 @@ static int hold_out_all(const csv *table, const arguments *a)
         within += one > 0;
     }
     if (!found) {
-        fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame of %s. There are: all", a->holdout, a->selection.output);
+        fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame of %s. There are: all", a->holdout,
+                a->selection.output);
         for (i = 0; i < table->count; i++)
             if (is_first(table, i, a->selection.output)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
         fputc('\n', stderr);
@@ -303,7 +310,8 @@ int analysis_main(int argc, char **argv)
     if (code != DONE) return code;
     reports = strcmp(argv[1], "report") == 0;
     if (reports && !a.folder) return fail(USAGE, "-o DIR is missing");
-    if (!reports && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0) return fail(USAGE, "--budget-ms or --max-rmse is missing");
+    if (!reports && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)
+        return fail(USAGE, "--budget-ms or --max-rmse is missing");
     if (!csv_read(&table, a.csv, error, sizeof error)) return fail(FILES, error);
     if (table.note[0]) fail(0, table.note);
     if (!reports) {

@@ -75,7 +75,8 @@ static int read_header(reader *r, char *line)
     for (k = 0; k < CSV_NUMBER_COUNT; k++) r->number_at[k] = -1;
     r->fields = split(line, fields);
     if (r->fields > FIELDS_MAX)
-        return frame_error(r->error, r->error_size, "%s:1: more than %d columns. Give a CSV of a sweep", r->path, FIELDS_MAX);
+        return frame_error(r->error, r->error_size, "%s:1: more than %d columns. Give a CSV of a sweep", r->path,
+                           FIELDS_MAX);
     for (i = 0; i < r->fields; i++) {
         if ((k = find(texts, CSV_TEXT_COUNT, fields[i])) >= 0) r->text_at[k] = i;
         if ((k = csv_number(fields[i])) >= 0) r->number_at[k] = i;
@@ -84,8 +85,8 @@ static int read_header(reader *r, char *line)
         const column *c = k < CSV_TEXT_COUNT ? &texts[k] : &numbers[k - CSV_TEXT_COUNT];
 
         if (c->must && (k < CSV_TEXT_COUNT ? r->text_at[k] : r->number_at[k - CSV_TEXT_COUNT]) < 0)
-            return frame_error(r->error, r->error_size, "%s:1: no column %s. Give a CSV of a sweep, its first line included", r->path,
-                               c->name);
+            return frame_error(r->error, r->error_size,
+                               "%s:1: no column %s. Give a CSV of a sweep, its first line included", r->path, c->name);
     }
     return 1;
 }
@@ -98,8 +99,8 @@ static int read_number(reader *r, int index, const char *text, double *out)
 
     *out = *text ? strtod(text, &end) : (double)NAN;
     if ((*text && (*end || end == text)) || isinf(*out) || (!signed_ && *out < 0.0))
-        return frame_error(r->error, r->error_size, "%s:%d: %s is \"%.40s\", no number that it can have. " AGAIN, r->path, r->line,
-                           numbers[index].name, text);
+        return frame_error(r->error, r->error_size, "%s:%d: %s is \"%.40s\", no number that it can have. " AGAIN,
+                           r->path, r->line, numbers[index].name, text);
     return 1;
 }
 
@@ -110,17 +111,20 @@ static int read_row(reader *r, char *line, csv_row *row)
     int         k;
 
     if (count != r->fields)
-        return frame_error(r->error, r->error_size, "%s:%d: %s%d fields, line 1 has %d: torn or foreign. " AGAIN, r->path, r->line,
-                           count > FIELDS_MAX ? "more than " : "", count > FIELDS_MAX ? FIELDS_MAX : count, r->fields);
+        return frame_error(r->error, r->error_size, "%s:%d: %s%d fields, line 1 has %d: torn or foreign. " AGAIN,
+                           r->path, r->line, count > FIELDS_MAX ? "more than " : "",
+                           count > FIELDS_MAX ? FIELDS_MAX : count, r->fields);
     row->line = r->line;
     for (k = 0; k < CSV_TEXT_COUNT; k++) row->text[k] = r->text_at[k] < 0 ? "" : fields[r->text_at[k]];
     for (k = 0; k < CSV_NUMBER_COUNT; k++)
         if (!read_number(r, k, r->number_at[k] < 0 ? "" : fields[r->number_at[k]], &row->number[k])) return 0;
     output = row->text[CSV_output];
     if (strcmp(output, "ao") != 0 && strcmp(output, "near") != 0 && strcmp(output, "far") != 0)
-        return frame_error(r->error, r->error_size, "%s:%d: output is \"%.40s\", not ao, near or far. " AGAIN, r->path, r->line, output);
+        return frame_error(r->error, r->error_size, "%s:%d: output is \"%.40s\", not ao, near or far. " AGAIN, r->path,
+                           r->line, output);
     if (!row->text[CSV_config_hash][0] || !row->text[CSV_frame][0] || !(row->number[CSV_ms_median] > 0.0))
-        return frame_error(r->error, r->error_size, "%s:%d: config_hash, frame or ms_median is empty or 0. " AGAIN, r->path, r->line);
+        return frame_error(r->error, r->error_size, "%s:%d: config_hash, frame or ms_median is empty or 0. " AGAIN,
+                           r->path, r->line);
     return 1;
 }
 
@@ -136,8 +140,8 @@ static int read_lines(reader *r, csv *out)
         r->line++;
         end = strchr(line, '\n');
         if (!end) {
-            snprintf(out->note, sizeof out->note, "%s:%d: the last line has no end and is left out. Resume the sweep, or end it",
-                     r->path, r->line);
+            snprintf(out->note, sizeof out->note,
+                     "%s:%d: the last line has no end and is left out. Resume the sweep, or end it", r->path, r->line);
             break;
         }
         *end = 0;
@@ -150,7 +154,8 @@ static int read_lines(reader *r, csv *out)
             out->count += ok;
         }
     }
-    if (!out->rows || (r->line > 0 && !header && !out->note[0])) ok = frame_error(r->error, r->error_size, "%s: out of memory", r->path);
+    if (!out->rows || (r->line > 0 && !header && !out->note[0]))
+        ok = frame_error(r->error, r->error_size, "%s: out of memory", r->path);
     free(header);
     return ok;
 }
@@ -168,7 +173,8 @@ int csv_read(csv *out, const char *path, char *error, size_t error_size)
     out->bytes = text_read(path, BYTES_MAX, "the CSV of a sweep", error, error_size);
     ok = out->bytes && read_lines(&r, out);
     if (ok && out->count == 0)
-        ok = frame_error(error, error_size, "%s: nothing is measured in it%s. Run a sweep", path, out->note[0] ? " but a torn line" : "");
+        ok = frame_error(error, error_size, "%s: nothing is measured in it%s. Run a sweep", path,
+                         out->note[0] ? " but a torn line" : "");
     if (!ok) csv_free(out);
     return ok;
 }

@@ -1,5 +1,5 @@
-/* flip.c - LDR-FLIP, see metrics.h. Headings in quotes are the article's; constants are its, with the erratum that L + 16 is divided by
- * 116. All filters are sums of Gaussians and their derivatives in x or y, and so separable. */
+/* flip.c - LDR-FLIP, see metrics.h. Headings in quotes are the article's; constants are its, with the erratum that L +
+ * 16 is divided by 116. All filters are sums of Gaussians and their derivatives in x or y, and so separable. */
 #include "metrics.h"
 
 #include <math.h>
@@ -149,8 +149,8 @@ static void convolve(const float *in, float *out, float *row, int w, int h, cons
     }
 }
 
-/* "Spatial Filtering" by the contrast sensitivity of each opponent channel: a1 sqrt(pi / b1) exp(-pi^2 x^2 / b1), and for Cz a second
- * one. x in degrees. The widest filter gives all their radius. */
+/* "Spatial Filtering" by the contrast sensitivity of each opponent channel: a1 sqrt(pi / b1) exp(-pi^2 x^2 / b1), and
+ * for Cz a second one. x in degrees. The widest filter gives all their radius. */
 static void filter_opponents(view *v, double ppd)
 {
     static const double b[4] = {0.0047, 0.0053, 0.04, 0.025};
@@ -180,8 +180,8 @@ static void filter_opponents(view *v, double ppd)
         v->opponent[2][i] = (float)((mass[0] * (double)v->sum[i] + mass[1] * (double)v->more[i]) / (mass[0] + mass[1]));
 }
 
-/* "Feature Pipeline": length of the gradient, or of both second derivatives, of (Y + 16) / 116. The filter of edge detection spans
- * 0.082 degrees from peak to trough, two standard deviations. */
+/* "Feature Pipeline": length of the gradient, or of both second derivatives, of (Y + 16) / 116. The filter of edge
+ * detection spans 0.082 degrees from peak to trough, two standard deviations. */
 static void detect(view *v, float *out, int shape, double ppd)
 {
     const double deviation = 0.5 * 0.082 * ppd, scale = 0.5 / (deviation * deviation);
@@ -192,7 +192,8 @@ static void detect(view *v, float *out, int shape, double ppd)
 
     convolve(v->opponent[0], out, v->row, v->width, v->height, &derivative, &flat);
     convolve(v->opponent[0], v->sum, v->row, v->width, v->height, &flat, &derivative);
-    for (i = 0; i < count; i++) out[i] = hypotf(out[i], v->sum[i]) / 116.0f; /* the 16 is the same on all taps, which add up to 0 */
+    for (i = 0; i < count; i++)
+        out[i] = hypotf(out[i], v->sum[i]) / 116.0f; /* the 16 is the same on all taps, which add up to 0 */
 }
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
@@ -243,7 +244,8 @@ static triple view_lab(const view *v, size_t i)
 static double pixel_flip(const view *r, const view *t, size_t i, double most)
 {
     const double color = redistribute(color_distance(view_lab(r, i), view_lab(t, i)), most);
-    const double edge = fabs((double)r->edge[i] - (double)t->edge[i]), point = fabs((double)r->point[i] - (double)t->point[i]);
+    const double edge = fabs((double)r->edge[i] - (double)t->edge[i]);
+    const double point = fabs((double)r->point[i] - (double)t->point[i]);
 
     return pow(color, 1.0 - sqrt(fmax(edge, point) / sqrt(2.0)));
 }

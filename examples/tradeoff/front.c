@@ -22,12 +22,16 @@ static int frame_order(const csv_row *a, const csv_row *b)
     return (a->number[CSV_height] > b->number[CSV_height]) - (a->number[CSV_height] < b->number[CSV_height]);
 }
 
-static int by_frame(const void *a, const void *b) { return frame_order(*(const csv_row *const *)a, *(const csv_row *const *)b); }
+static int by_frame(const void *a, const void *b)
+{
+    return frame_order(*(const csv_row *const *)a, *(const csv_row *const *)b);
+}
 
 static int by_config(const void *a, const void *b)
 {
     const csv_row *x = *(const csv_row *const *)a, *y = *(const csv_row *const *)b;
-    const int      hash = strcmp(x->text[CSV_config_hash], y->text[CSV_config_hash]), frame = hash ? 0 : frame_order(x, y);
+    const int      hash = strcmp(x->text[CSV_config_hash], y->text[CSV_config_hash]);
+    const int      frame = hash ? 0 : frame_order(x, y);
 
     return hash ? hash : frame ? frame : (x->line > y->line) - (x->line < y->line);
 }
@@ -43,7 +47,8 @@ static int by_time(const void *a, const void *b)
 
 static int of_device(const csv_row *row, const selection *s)
 {
-    return (!s->backend || same(row->text[CSV_backend], s->backend)) && (!s->device || same(row->text[CSV_device], s->device));
+    return (!s->backend || same(row->text[CSV_backend], s->backend))
+        && (!s->device || same(row->text[CSV_device], s->device));
 }
 
 static int selected(const csv_row *row, const selection *s)
@@ -70,9 +75,10 @@ static int nothing_selected(const csv *table, const selection *s, char *error, s
             break;
         }
     }
-    return frame_error(error, error_size, "no %s of %s is measured%s%s%s%s. Errors of %s there:%s", csv_number_name(s->error), s->output,
-                       s->backend ? " on " : "", s->backend ? s->backend : "", s->only ? " on frame " : "", s->only ? s->only : "",
-                       s->output, there[0] ? there : " none; choose another --output or --backend");
+    return frame_error(error, error_size, "no %s of %s is measured%s%s%s%s. Errors of %s there:%s",
+                       csv_number_name(s->error), s->output, s->backend ? " on " : "", s->backend ? s->backend : "",
+                       s->only ? " on frame " : "", s->only ? s->only : "", s->output,
+                               there[0] ? there : " none; choose another --output or --backend");
 }
 
 /* Selected rows, all of one device: how many, or -1. */
@@ -86,7 +92,8 @@ static int collect(const csv *table, const selection *s, const csv_row **rows, c
         if (!selected(row, s)) continue;
         if (count > 0 && (!same(row->text[CSV_backend], rows[0]->text[CSV_backend])
                           || !same(row->text[CSV_device], rows[0]->text[CSV_device]))) {
-            frame_error(error, error_size, "lines %d and %d are of %s on %s and of %s on %s: their times do not compare. "
+            frame_error(error, error_size,
+                        "lines %d and %d are of %s on %s and of %s on %s: their times do not compare. "
                         "Choose with --backend or --device", rows[0]->line, row->line, rows[0]->text[CSV_backend],
                         rows[0]->text[CSV_device], row->text[CSV_backend], row->text[CSV_device]);
             return -1;
@@ -134,7 +141,8 @@ static void fill(point *p, const csv_row **rows, int count, int error_column, do
         logs += log(ms);
         squares += e * e;
         errors[i] = e;
-        for (k = 0; k < CSV_NUMBER_COUNT; k++) p->mean[k] += (is_rmse(k) ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
+        for (k = 0; k < CSV_NUMBER_COUNT; k++)
+            p->mean[k] += (is_rmse(k) ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
     }
     for (k = 0; k < CSV_NUMBER_COUNT; k++)
         if (is_rmse(k)) p->mean[k] = sqrt(p->mean[k]);
@@ -171,7 +179,8 @@ int points_make(points *out, const csv *table, const selection *s, char *error, 
         out->list = malloc((size_t)count * sizeof *out->list);
     }
     for (i = 0; out->errors && out->list && i < count; i = end) {
-        for (end = i + 1; end < count && same(rows[i]->text[CSV_config_hash], rows[end]->text[CSV_config_hash]); end++) continue;
+        for (end = i + 1; end < count && same(rows[i]->text[CSV_config_hash], rows[end]->text[CSV_config_hash]); end++)
+            continue;
         if (end - i == out->frame_count) fill(&out->list[out->count++], rows + i, end - i, s->error, out->errors + i);
         else out->left_out++;
     }
@@ -204,7 +213,8 @@ const point *points_find(const points *p, const char *name)
     for (i = 0; i < p->count; i++) {
         const csv_row *row = p->list[i].row;
 
-        if (same(row->text[CSV_config_hash], name) || same(row->text[CSV_preset], name) || same(row->text[CSV_config], name))
+        if (same(row->text[CSV_config_hash], name) || same(row->text[CSV_preset], name)
+            || same(row->text[CSV_config], name))
             return &p->list[i];
     }
     return NULL;
@@ -235,7 +245,8 @@ double front_dominated(const points *sets, int set_count, const char *config_has
 
         gain = ratio(mine->ms, other->ms);
         for (k = 0; k < set_count; k++) {
-            const point *o = points_find(&sets[k], other->row->text[CSV_config_hash]), *m = points_find(&sets[k], config_hash);
+            const point *o = points_find(&sets[k], other->row->text[CSV_config_hash]);
+            const point *m = points_find(&sets[k], config_hash);
 
             if (!o || !m || o->error > m->error) break;
             gain = fmax(gain, ratio(m->error, o->error));

@@ -16,7 +16,7 @@ typedef struct point {
     const csv_row *row;                  /* one of its rows: hash, config, preset */
     double         ms, ms_low, ms_high;  /* median times: geometric mean over frames, and extremes */
     double         error, low, high;     /* root mean square over frames, and extremes */
-    double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, root mean squares of rmse_; NaN: a frame has none */
+    double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, rmse_ squared; NaN: a frame has none */
     const double  *errors;               /* of each frame */
     int            on_front;
 } point;
@@ -39,8 +39,9 @@ void         points_keep(points *p, const points *also);
 /* The fastest point with this config hash, preset, or config text; NULL: there is none. */
 const point *points_find(const points *p, const char *name);
 
-/* By how much one other config, which is in all of these sets and neither slower nor worse in any, betters this one: .1 if it takes 1/1.1 of
- * the time or of an error. 0: nobody does. The sets are of one table and one device, an output or error each. by: NULL, or who. */
+/* By how much one other config, which is in all of these sets and neither slower nor worse in any, betters this one: .1
+ * if it takes 1/1.1 of the time or of an error. 0: nobody does. The sets are of one table and one device, an output or
+ * error each. by: NULL, or who. */
 double       front_dominated(const points *sets, int set_count, const char *config_hash, const point **by);
 
 #endif

@@ -39,12 +39,14 @@ void config_value(const char *config, const char *option, char out[MARGINAL_TEXT
 
     if (length < 0) {
         memset(&defaults, 0, sizeof defaults);
-        if (hbil_config_print(&defaults, 1, text, sizeof text, NULL) == HBIL_OK) length = find_value(text, option, &value);
+        if (hbil_config_print(&defaults, 1, text, sizeof text, NULL) == HBIL_OK)
+            length = find_value(text, option, &value);
     }
     snprintf(out, MARGINAL_TEXT, "%.*s", length < 0 ? (int)strlen(value) : length, value);
 }
 
-/* The config without one or two options. Values that are spelt out though they are the default are none of a sweep. Caller frees. */
+/* The config without one or two options. Values that are spelt out though they are the default are none of a sweep.
+ * Caller frees. */
 static char *rest_of(const char *config, const char *option, const char *second)
 {
     char *out = malloc(strlen(config) + 2), *end = out;
@@ -117,7 +119,10 @@ static int list_values(const points *p, const char *option, char (*values)[MARGI
 
 /* ---- groups ------------------------------------------------------------------------------------------------------ */
 
-static int by_rest(const void *a, const void *b) { return strcmp(((const member *)a)->rest, ((const member *)b)->rest); }
+static int by_rest(const void *a, const void *b)
+{
+    return strcmp(((const member *)a)->rest, ((const member *)b)->rest);
+}
 
 static void members_free(member *list, int count)
 {
@@ -128,8 +133,8 @@ static void members_free(member *list, int count)
 }
 
 /* All configs, those that differ in nothing but the option, or both options, next to each other. NULL: no memory. */
-static member *members_make(const points *p, const char *option, char (*values)[MARGINAL_TEXT], int value_count, const char *second,
-                            char (*second_values)[MARGINAL_TEXT], int second_count)
+static member *members_make(const points *p, const char *option, char (*values)[MARGINAL_TEXT], int value_count,
+                            const char *second, char (*second_values)[MARGINAL_TEXT], int second_count)
 {
     member *list = calloc((size_t)p->count, sizeof *list);
     char    value[MARGINAL_TEXT];
@@ -247,7 +252,8 @@ marginal *marginals_make(const points *p, int *count)
 /* ---- slices x steps ---------------------------------------------------------------------------------------------- */
 
 /* The grid of one group, without the rows and columns that it lacks. */
-static void fill_grid(grid *out, const member *list, int begin, int end, char (*slices)[MARGINAL_TEXT], char (*steps)[MARGINAL_TEXT])
+static void fill_grid(grid *out, const member *list, int begin, int end, char (*slices)[MARGINAL_TEXT],
+                      char (*steps)[MARGINAL_TEXT])
 {
     int column[MARGINAL_VALUES], row[MARGINAL_VALUES], i, k;
 
@@ -260,7 +266,8 @@ static void fill_grid(grid *out, const member *list, int begin, int end, char (*
         }
     }
     for (i = begin; i < end; i++)
-        if (list[i].value >= 0 && list[i].second >= 0) out->cell[row[list[i].second]][column[list[i].value]] = list[i].point;
+        if (list[i].value >= 0 && list[i].second >= 0)
+            out->cell[row[list[i].second]][column[list[i].value]] = list[i].point;
 }
 
 int grid_make(grid *out, const points *p)

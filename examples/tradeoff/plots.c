@@ -57,7 +57,8 @@ static void write_script(FILE *out, const char *stem, draw_function *draw, const
 
     for (png = 0; png < 2; png++) {
         file_name(path, stem, png, 1);
-        fprintf(out, "reset\nset terminal %s size %d,%d noenhanced font 'DejaVu Sans,11' background '#ffffff'\nset output ",
+        fprintf(out, "reset\nset terminal %s size %d,%d noenhanced font 'DejaVu Sans,11' background '#ffffff'\n"
+                     "set output ",
                 png ? "pngcairo" : "svg", pic->width, pic->height);
         quoted(out, path);
         fputs("\nset encoding utf8\nset datafile missing '?'\nset border lc rgb '#606060'\nset grid lc rgb '#e0e0e0'\n"
@@ -76,7 +77,8 @@ static int rename_both(const char *stem, int ok, char *error, size_t error_size)
         file_name(from, stem, png, 1);
         file_name(to, stem, png, 0);
         if (ok && rename(from, to) != 0)
-            ok = frame_error(error, error_size, "%s: cannot be replaced (%s). Choose a folder that can be written", to, strerror(errno));
+            ok = frame_error(error, error_size, "%s: cannot be replaced (%s). Choose a folder that can be written", to,
+                             strerror(errno));
         remove(from);
     }
     return ok;
@@ -97,9 +99,11 @@ static int run(const char *stem, draw_function *draw, const picture *pic, char *
     status = child ? pclose(child) : -1;
     sigaction(SIGPIPE, &before, NULL);
     if (status != -1 && WIFEXITED(status) && WEXITSTATUS(status) == 127)
-        return frame_error(error, error_size, "gnuplot is missing. Install it (Debian: apt-get install gnuplot-nox) or give --no-plots");
+        return frame_error(error, error_size,
+                           "gnuplot is missing. Install it (Debian: apt-get install gnuplot-nox) or give --no-plots");
     if (status != 0)
-        frame_error(error, error_size, "%s: gnuplot failed, see above. It must be of version 5 and know svg and pngcairo", stem);
+        frame_error(error, error_size,
+                    "%s: gnuplot failed, see above. It must be of version 5 and know svg and pngcairo", stem);
     return rename_both(stem, status == 0, error, error_size);
 }
 
@@ -121,7 +125,8 @@ static void front_data(FILE *out, const points *p)
     }
 }
 
-/* Both ends of an axis with a logarithmic scale, and names at 1, 2 and 5 times each power of ten, at more where it is short. */
+/* Both ends of an axis with a logarithmic scale, and names at 1, 2 and 5 times each power of ten, at more where it is
+ * short. */
 static void log_axis(FILE *out, char axis, double low, double high)
 {
     static const double steps[] = {1.0, 2.0, 5.0, 1.2, 1.5, 2.5, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0};
@@ -275,7 +280,8 @@ static void draw_grid(FILE *out, const picture *pic)
     for (k = 0; k < 2; k++) {
         fputs("set title ", out);
         quoted(out, k ? "ms" : csv_number_name(pic->selection->error));
-        fprintf(out, "\nplot $d using 1:2:%d with image, $d using 1:2:(sprintf('%%.3g', $%d)) with labels textcolor rgb '#202020'\n",
+        fprintf(out, "\nplot $d using 1:2:%d with image, $d using 1:2:(sprintf('%%.3g', $%d)) with labels textcolor "
+                     "rgb '#202020'\n",
                 3 + k, 3 + k);
     }
     fputs("unset multiplot\n", out);

@@ -50,8 +50,8 @@ static void cell(FILE *out, const char *format, double value)
 /* Columns of the table beside time, error and config, where they are known of any point. */
 static const struct { int column; const char *format; } extras[] = {
     {CSV_rmse_sampling, "%.4f"}, {CSV_rmse_estimator, "%.4f"}, {CSV_rmse_hf, "%.4f"}, {CSV_bias_hf, "%+.4f"},
-    {CSV_rmse_model, "%.4f"}, {CSV_bias_model, "%+.4f"}, {CSV_p95_model, "%.4f"}, {CSV_flicker, "%.4f"}, {CSV_noise, "%.4f"},
-    {CSV_fetches, "%.1f"}, {CSV_bytes_read, "%.0f"}, {CSV_bytes_written, "%.0f"},
+    {CSV_rmse_model, "%.4f"}, {CSV_bias_model, "%+.4f"}, {CSV_p95_model, "%.4f"}, {CSV_flicker, "%.4f"},
+    {CSV_noise, "%.4f"}, {CSV_fetches, "%.1f"}, {CSV_bytes_read, "%.0f"}, {CSV_bytes_written, "%.0f"},
 };
 #define EXTRAS ((int)(sizeof extras / sizeof *extras))
 
@@ -132,7 +132,8 @@ static int write_front(page *pg, const points *p, const selection *s)
     if (!pg->pictures) return 1;
     stem_of(stem, pg, s, "front");
     snprintf(title, sizeof title, "%s on %s", s->output, p->list[0].row->text[CSV_device]);
-    fprintf(pg->out, "![%s over time: all configs, the Pareto front, presets](%s-front.svg)\n\n", csv_number_name(s->error), s->output);
+    fprintf(pg->out, "![%s over time: all configs, the Pareto front, presets](%s-front.svg)\n\n",
+            csv_number_name(s->error), s->output);
     return plot_front(p, s, stem, title, pg->error, pg->error_size);
 }
 
@@ -150,8 +151,10 @@ static int write_options(page *pg, const points *p, const selection *s)
         return 1;
     }
     stem_of(stem, pg, s, "options");
-    snprintf(title, sizeof title, "%s of %s and ms: factors of each option alone", csv_number_name(s->error), s->output);
-    fprintf(pg->out, "\n![Each option alone: factors of error and time](%s-options.svg)\n\n*Each option alone: a step is the geometric mean "
+    snprintf(title, sizeof title, "%s of %s and ms: factors of each option alone", csv_number_name(s->error),
+             s->output);
+    fprintf(pg->out, "\n![Each option alone: factors of error and time](%s-options.svg)\n\n*Each option alone: a step "
+                     "is the geometric mean "
             "over all pairs of configs that differ in nothing else.*\n", s->output);
     ok = plot_marginals(list, count, stem, title, pg->error, pg->error_size);
     free(list);
@@ -174,7 +177,8 @@ static int write_grid(page *pg, const points *p, const selection *s)
     for (i = 0; !any; i++) any = g.cell[i / g.columns][i % g.columns];
     stem_of(stem, pg, s, "grid");
     snprintf(title, sizeof title, "%s: slices against steps", s->output);
-    fprintf(pg->out, "\n![Slices against steps: error and time](%s-grid.svg)\n\n*Slices against steps, all else as in `%s`.*\n", s->output,
+    fprintf(pg->out, "\n![Slices against steps: error and time](%s-grid.svg)\n\n*Slices against steps, all else as in "
+                     "`%s`.*\n", s->output,
             any->row->text[CSV_config][0] ? any->row->text[CSV_config] : "the defaults");
     return plot_grid(&g, s, stem, title, pg->error, pg->error_size);
 }
@@ -187,9 +191,10 @@ static int write_output(page *pg, const csv *table, const selection *s)
     int    i, ok;
 
     if (!points_make(&p, table, s, pg->error, pg->error_size)) return 0;
-    fprintf(pg->out, "\n## %s\n\n%d configs, hbil %s, %s: %s%s%s. `%s` is the root mean square %s. Frames:", s->output, p.count,
-            p.list[0].row->text[CSV_version], p.list[0].row->text[CSV_backend], p.list[0].row->text[CSV_device],
-            p.list[0].row->text[CSV_driver][0] ? ", " : "", p.list[0].row->text[CSV_driver], csv_number_name(s->error),
+    fprintf(pg->out, "\n## %s\n\n%d configs, hbil %s, %s: %s%s%s. `%s` is the root mean square %s. Frames:", s->output,
+            p.count, p.list[0].row->text[CSV_version], p.list[0].row->text[CSV_backend],
+            p.list[0].row->text[CSV_device], p.list[0].row->text[CSV_driver][0] ? ", " : "",
+                    p.list[0].row->text[CSV_driver], csv_number_name(s->error),
             meaning(s->error));
     for (i = 0; i < p.frame_count; i++)
         fprintf(pg->out, "%s %s (%g x %g)", i ? "," : "", p.frames[i]->text[CSV_frame], p.frames[i]->number[CSV_width],
@@ -230,10 +235,12 @@ static int write_page(page *pg, const csv *table, const selection *s, int *nothi
     int       i, ok = 1, written = 0;
 
     fputs("# Speed against accuracy, measured\n\n"
-          "Time: the geometric mean over frames of each frame's median; error: the root mean square over frames. \"Dominated by\" is by how much "
+          "Time: the geometric mean over frames of each frame's median; error: the root mean square over frames. "
+          "\"Dominated by\" is by how much "
           "another config is better that is neither slower nor worse.\n", pg->out);
     if (pg->pictures)
-        fputs("Error by distance from the image's centre is left out: the sweep records one number per frame.\n", pg->out);
+        fputs("Error by distance from the image's centre is left out: the sweep records one number per frame.\n",
+              pg->out);
     for (i = 0; ok && i < 3; i++) {
         if (s->output && strcmp(s->output, outputs[i]) != 0) continue;
         one.output = outputs[i];
@@ -249,7 +256,8 @@ static int write_page(page *pg, const csv *table, const selection *s, int *nothi
     return write_output(pg, table, &one); /* says what there is instead */
 }
 
-int report_write(const char *folder, const csv *table, const selection *s, int pictures, int *nothing, char *error, size_t error_size)
+int report_write(const char *folder, const csv *table, const selection *s, int pictures, int *nothing, char *error,
+                 size_t error_size)
 {
     page   pg;
     char   path[PATH_BYTES], *text = NULL;
@@ -258,7 +266,8 @@ int report_write(const char *folder, const csv *table, const selection *s, int p
 
     *nothing = 0;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return frame_error(error, error_size, "%s: cannot be made (%s). Choose another folder", folder, strerror(errno));
+        return frame_error(error, error_size, "%s: cannot be made (%s). Choose another folder", folder,
+                           strerror(errno));
     memset(&pg, 0, sizeof pg);
     pg.folder = folder;
     pg.pictures = pictures;

@@ -1,5 +1,5 @@
-/* test_analysis.c - metrics against numbers worked out by hand; CSV files, fronts, marginals, recommendations and reports of sweeps whose
- * results are known. */
+/* test_analysis.c - metrics against numbers worked out by hand; CSV files, fronts, marginals, recommendations and
+ * reports of sweeps whose results are known. */
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -16,7 +16,8 @@
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define NEAR(a, b, within) assert_true(fabs((double)(a) - (double)(b)) <= (within))
 #define EXACT 1e-12
-#define HEAD "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max,rmse_hf,bias_hf\n"
+#define HEAD "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max," \
+             "rmse_hf,bias_hf\n"
 
 static char folder[] = "test_analysis_XXXXXX"; /* in the working folder, removed at the end */
 static char csv_path[64], log_path[64], error[1024], printed[16384];
@@ -44,8 +45,8 @@ static void sums_match_numbers_worked_out_by_hand(void **state)
 {
     const float         a_values[] = {1.0f, 0.5f, 0.0f, NAN, 9.0f}, b_values[] = {0.5f, 0.5f, 1.0f, 0.5f, 0.5f};
     const unsigned char mask[] = {1, 1, 1, 1, 0};
-    image               a = row_of(5, a_values), b = row_of(5, b_values), other = make_image(5, 1, 3), rgb = make_image(1, 1, 3);
-    image               black = make_image(1, 1, 3);
+    image               a = row_of(5, a_values), b = row_of(5, b_values), other = make_image(5, 1, 3);
+    image               rgb = make_image(1, 1, 3), black = make_image(1, 1, 3);
 
     (void)state; /* differences .5, 0, -1, none, left out; of truths .5, .5, 1 */
     NEAR(metric_rmse(&a, &b, mask), sqrt(1.25 / 3.0), EXACT);
@@ -67,7 +68,8 @@ static void percentiles_match_numbers_worked_out_by_hand(void **state)
 {
     const float         a_values[] = {4.0f, -1.0f, 2.0f, 3.0f, 100.0f}, b_values[] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     const unsigned char mask[] = {1, 1, 1, 1, 0};
-    image               a = row_of(5, a_values), b = row_of(5, b_values), rgb = make_image(2, 1, 3), black = make_image(2, 1, 3);
+    image               a = row_of(5, a_values), b = row_of(5, b_values);
+    image               rgb = make_image(2, 1, 3), black = make_image(2, 1, 3);
 
     (void)state; /* ranks 1 2 3 4 */
     NEAR(metric_percentile(&a, &b, mask, 0.0), 1.0, EXACT);
@@ -81,7 +83,8 @@ static void percentiles_match_numbers_worked_out_by_hand(void **state)
     image_free(&a), image_free(&b), image_free(&rgb), image_free(&black);
 }
 
-/* Depths 10 10 10 10 | 10.6 10.6 10.6 10.6 10.6 | sky sky: steps between 3 and 4, and 8 and 9. 10.6 to 10 is 6 % of the nearer. */
+/* Depths 10 10 10 10 | 10.6 10.6 10.6 10.6 10.6 | sky sky: steps between 3 and 4, and 8 and 9. 10.6 to 10 is 6 % of the
+ * nearer. */
 static void edges_are_two_pixels_either_side_of_a_step(void **state)
 {
     const float depths[] = {10, 10, 10, 10, 10.6f, 10.6f, 10.6f, 10.6f, 10.6f, 1e10f, NAN};
@@ -141,10 +144,11 @@ static double flip_of(image a, image b)
     return value;
 }
 
-/* Flat images have no features: the value is that of their colours. L*a*b* of green is 87.737 -86.185 83.181, of blue 32.303 79.197
- * -107.864; with the Hunt effect -75.616 72.981 and 25.583 -34.843. HyAB: 55.434 + |101.199, 107.824| = 203.309, to the power .7: 41.280.
- * The knee is at 16.512. Black and white are 100 apart, 25.119: .95 + .05 (25.119 - 16.512) / (41.280 - 16.512) = .96738.
- * Linear .18 and .20 have L 49.496 and 51.837: 2.341^.7 = 1.8139, .95 * 1.8139 / 16.512 = .10436. */
+/* Flat images have no features: the value is that of their colours. L*a*b* of green is 87.737 -86.185 83.181, of blue
+ * 32.303 79.197 -107.864; with the Hunt effect -75.616 72.981 and 25.583 -34.843. HyAB: 55.434 + |101.199, 107.824| =
+ * 203.309, to the power .7: 41.280. The knee is at 16.512. Black and white are 100 apart, 25.119: .95 + .05 (25.119 -
+ * 16.512) / (41.280 - 16.512) = .96738. Linear .18 and .20 have L 49.496 and 51.837: 2.341^.7 = 1.8139, .95 * 1.8139 /
+ * 16.512 = .10436. */
 static void flip_of_flat_images_matches_numbers_worked_out_by_hand(void **state)
 {
     (void)state;
@@ -220,12 +224,14 @@ static void csv_lines_are_read_and_faults_have_their_place(void **state)
     csv table;
 
     (void)state;
-    write_csv(HEAD LINE "0.1.0,\"b\"\"b\",\"slices=4,steps=8\",,GPU,1.0,vulkan,atrium,640,360,near,,2.5,,,\r\n" HEAD LINE);
+    write_csv(HEAD LINE "0.1.0,\"b\"\"b\",\"slices=4,steps=8\",,GPU,1.0,vulkan,atrium,640,360,near,,2.5,,,\r\n"
+              HEAD LINE);
     assert_true(csv_read(&table, csv_path, error, sizeof error));
     assert_int_equal(table.count, 3);
     assert_string_equal(table.note, "");
     assert_string_equal(table.rows[0].text[CSV_preset], "fast");
-    assert_true(table.rows[0].number[CSV_bias_hf] == -0.5 && table.rows[0].number[CSV_width] == 640.0 && table.rows[0].line == 2);
+    assert_true(table.rows[0].number[CSV_bias_hf] == -0.5 && table.rows[0].number[CSV_width] == 640.0
+                && table.rows[0].line == 2);
     assert_string_equal(table.rows[1].text[CSV_config_hash], "b\"b");
     assert_string_equal(table.rows[1].text[CSV_config], "slices=4,steps=8");
     assert_true(isnan(table.rows[1].number[CSV_bias_hf]) && isnan(table.rows[1].number[CSV_flicker]));
@@ -240,7 +246,8 @@ static void csv_lines_are_read_and_faults_have_their_place(void **state)
     assert_refused(HEAD LINE "0.1.0,bb,slices=8\n" LINE, "csv:3: 3 fields, line 1 has 16");
     assert_refused(HEAD "0.1.0,aa,,,GPU,1.0,vulkan,atrium,640,360,ao,1,2ms,3,0.25,0\n", "csv:2: ms_median is \"2ms\"");
     assert_refused(HEAD "0.1.0,aa,,,GPU,1.0,vulkan,atrium,640,360,ao,1,2,3,-0.25,0\n", "csv:2: rmse_hf is \"-0.25\"");
-    assert_refused(HEAD "0.1.0,aa,,,GPU,1.0,vulkan,atrium,640,360,ao,1,,3,0.25,0\n", "csv:2: config_hash, frame or ms_median");
+    assert_refused(HEAD "0.1.0,aa,,,GPU,1.0,vulkan,atrium,640,360,ao,1,,3,0.25,0\n",
+                   "csv:2: config_hash, frame or ms_median");
     assert_refused(HEAD "0.1.0,aa,,,GPU,1.0,vulkan,atrium,640,360,bent,1,2,3,0.25,0\n", "not ao, near or far");
     assert_refused("config,preset\n" LINE, "csv:1: no column config_hash");
     assert_refused(HEAD, "nothing is measured");
@@ -253,10 +260,11 @@ static void csv_lines_are_read_and_faults_have_their_place(void **state)
 /* ---- fronts ------------------------------------------------------------------------------------------------------ */
 
 /* A line of the CSV; its config is its hash's, unless another is given. */
-static void add(FILE *out, const char *hash, const char *config, const char *preset, const char *frame, const char *output, double ms,
-                double rmse)
+static void add(FILE *out, const char *hash, const char *config, const char *preset, const char *frame,
+                const char *output, double ms, double rmse)
 {
-    fprintf(out, "0.1.0,%s,%s,%s,GPU,1.0,vulkan,%s,640,360,%s,,%.17g,,%.17g,\n", hash, config, preset, frame, output, ms, rmse);
+    fprintf(out, "0.1.0,%s,%s,%s,GPU,1.0,vulkan,%s,640,360,%s,,%.17g,,%.17g,\n", hash, config, preset, frame, output,
+            ms, rmse);
 }
 
 /* Of two frames: time and error on the first; twice the time and three times the error on the second. */
@@ -269,7 +277,8 @@ static void add_two(FILE *out, const char *hash, const char *preset, const char 
     add(out, hash, config, preset, "two", output, 2.0 * ms, 3.0 * rmse);
 }
 
-/* a b d are the front; c takes 1.25 times b's time at b's error. e lacks a frame. d's first line is measured anew later. */
+/* a b d are the front; c takes 1.25 times b's time at b's error. e lacks a frame. d's first line is measured anew
+ * later. */
 static void write_known(void)
 {
     FILE *out = fopen(csv_path, "w");
@@ -369,8 +378,9 @@ static void what_cannot_be_compared_is_refused(void **state)
 
 /* ---- marginals --------------------------------------------------------------------------------------------------- */
 
-/* error = .1 * slices^-1 * (1, .5, .4 without, with 3x3, with 5x5); time = slices * (1, 2, 3). The means of a lopsided sample must not show:
- * 16 slices are measured without a filter only. noise=ign is measured with nothing else the same. */
+/* error = .1 * slices^-1 * (1, .5, .4 without, with 3x3, with 5x5); time = slices * (1, 2, 3). The means of a lopsided
+ * sample must not show: 16 slices are measured without a filter only. noise=ign is measured with nothing else the same.
+ * */
 static void write_grid(void)
 {
     static const char *const filters[] = {"none", "3x3", "5x5"};
@@ -391,7 +401,8 @@ static void write_grid(void)
                 if (k > 0) snprintf(config + strlen(config), 32, "filter=%s ", filters[k]);
                 if (config[0]) config[strlen(config) - 1] = 0;
                 snprintf(hash, sizeof hash, "h%d%d%d", i, k, steps);
-                add(out, hash, config, "", "one", "ao", slices[i] * (k + 1.0) * steps, 0.1 / slices[i] * errors[k] / steps);
+                add(out, hash, config, "", "one", "ao", slices[i] * (k + 1.0) * steps,
+                    0.1 / slices[i] * errors[k] / steps);
             }
         }
     }
@@ -478,7 +489,8 @@ static void the_grid_of_slices_and_steps_is_the_fullest(void **state)
 
 static void recommendations_are_the_known_ones(void **state)
 {
-    const wish   budget = {5.0, 0.0}, little = {1.0, 0.0}, exact = {0.0, 0.1}, both = {2.0, 0.1}, impossible = {0.0, 0.01};
+    const wish   budget = {5.0, 0.0}, little = {1.0, 0.0}, exact = {0.0, 0.1}, both = {2.0, 0.1};
+    const wish   impossible = {0.0, 0.01};
     csv          table;
     points       p, one;
     const point *best;
@@ -550,7 +562,8 @@ static void assert_run(int code, const char *options, const char *part)
 
     snprintf(line, sizeof line, options, csv_path);
     got = run(line);
-    if (got != code || !strstr(printed, part)) fail_msg("%s: exit code %d, not %d, or no \"%s\" in:\n%s", line, got, code, part, printed);
+    if (got != code || !strstr(printed, part))
+        fail_msg("%s: exit code %d, not %d, or no \"%s\" in:\n%s", line, got, code, part, printed);
 }
 
 static void command_lines_end_with_the_documented_exit_codes(void **state)
@@ -560,7 +573,8 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
     (void)state;
     write_known();
     assert_run(0, "--help", "usage: hbil-tradeoff report");
-    assert_run(0, "recommend --csv %s --budget-ms 5", "best      slices=b (fast)\n          rmse_hf of ao 0.0894 (0.0400 to 0.1200 over 2");
+    assert_run(0, "recommend --csv %s --budget-ms 5",
+               "best      slices=b (fast)\n          rmse_hf of ao 0.0894 (0.0400 to 0.1200 over 2");
     assert_run(0, "recommend --csv %s --budget-ms 5", "shadergen --set slices=b\n");
     assert_run(0, "recommend --csv %s --max-rmse 0.3 --output near", "best      slices=d (balanced)");
     assert_run(1, "recommend --csv %s --budget-ms 1", "nothing fits: the fastest of 4 configs takes 1.414 ms");
@@ -572,8 +586,10 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
     assert_non_null(out);
     add(out, "d", "slices=d", "balanced", "new", "ao", 4.0, 0.1);
     assert_int_equal(fclose(out), 0);
-    assert_run(0, "recommend --csv %s --budget-ms 3 --holdout new --anchor d", "predicted rmse_hf of ao 0.2000 from 2 other frames");
-    assert_run(2, "recommend --csv %s --budget-ms 3 --holdout three", "no such frame of ao. There are: all one two new");
+    assert_run(0, "recommend --csv %s --budget-ms 3 --holdout new --anchor d",
+               "predicted rmse_hf of ao 0.2000 from 2 other frames");
+    assert_run(2, "recommend --csv %s --budget-ms 3 --holdout three",
+               "no such frame of ao. There are: all one two new");
     assert_run(2, "recommend --csv %s", "--budget-ms or --max-rmse is missing");
     assert_run(2, "recommend --csv %s --budget-ms -1", "--budget-ms -1: not understood");
     assert_run(2, "recommend --csv %s --budget-ms 1 --output bent", "--output bent: not understood");
@@ -653,7 +669,8 @@ static void a_missing_gnuplot_is_named_with_its_package(void **state)
     free(path);
     path = read_file("report.md");
     assert_non_null(strstr(path, "## near"));
-    assert_non_null(strstr(path, "| `quality` | 3.536 | 2.5 to 5 | 0.1118 | 0.0500 to 0.1500 | 25.0 %: 2.828 ms, 0.0894 | `slices=c` |"));
+    assert_non_null(strstr(path, "| `quality` | 3.536 | 2.5 to 5 | 0.1118 | 0.0500 to 0.1500 | 25.0 %: 2.828 ms, "
+                                 "0.0894 | `slices=c` |"));
     free(path);
 }
 

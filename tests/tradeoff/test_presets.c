@@ -1,5 +1,6 @@
-/* test_presets.c - fast, balanced and quality are points of the recorded front: no other config of the record is neither slower nor worse
- * in any output and more than 10 % better in time or in an error. HBIL_RECORDED: the CSV of the sweep that chose them. */
+/* test_presets.c - fast, balanced and quality are points of the recorded front: no other config of the record is
+ * neither slower nor worse in any output and more than 10 % better in time or in an error. HBIL_RECORDED: the CSV of
+ * the sweep that chose them. */
 #include <unistd.h>
 
 #define HBIL_IMPLEMENTATION
@@ -61,8 +62,8 @@ static void no_preset_is_dominated_by_more_than_10_percent(void **state)
         if (!p) fail_msg("%s is not recorded on all frames. Sweep it", presets[i]);
         gain = front_dominated(sets, set_count, p->row->text[CSV_config_hash], &by);
         if (gain <= ALLOWED) continue;
-        print_error("%s (%.4g ms, %.4f) is dominated by %.1f %%: %s (%.4g ms, %.4f)\n", presets[i], p->ms, p->error, 100.0 * gain,
-                    by->row->text[CSV_config], by->ms, by->error);
+        print_error("%s (%.4g ms, %.4f) is dominated by %.1f %%: %s (%.4g ms, %.4f)\n", presets[i], p->ms, p->error,
+                    100.0 * gain, by->row->text[CSV_config], by->ms, by->error);
         bad++;
     }
     assert_int_equal(bad, 0);
