@@ -28,8 +28,8 @@ static void print_help(FILE *out)
     fputs("usage: hbil-tradeoff report --csv FILE -o DIR [options]\n"
           "       hbil-tradeoff recommend --csv FILE (--budget-ms MS | --max-rmse E) [options]\n"
           "Says what a sweep has measured: which configs are worth their time.\n\n"
-          "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of each option alone,\n"
-          "and of slices against steps, as SVG and PNG through gnuplot\n"
+          "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of each option\n"
+          "alone, and of slices against steps, as SVG and PNG through gnuplot\n"
           "  -o DIR          made if need be\n"
           "  --no-plots      tables only\n\n"
           "recommend: the best config that was measured, its neighbours on the front, and the shadergen command\n"
@@ -41,8 +41,9 @@ static void print_help(FILE *out)
           "                  more than configs: one run of P on a new frame tells how hard it is\n\n"
           "both:\n"
           "  --output O      ao, near or far; default ao, for report all\n"
-          "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling (against\n"
-          "                  the same estimator, converged) or rmse_estimator; default: the first that is measured\n"
+          "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling\n"
+          "                  (against the same estimator, converged) or rmse_estimator; default: the first that is\n"
+          "                  measured\n"
           "  --backend B, --device D   if the CSV holds several\n\n"
           "exit: 0 done, 1 nothing fits, or a prediction of --holdout is off by more than 25 %, 2 wrong usage,\n"
           "      3 cannot read or write\n",
@@ -193,7 +194,7 @@ static int compare(const points *others, const points *one, const point *best, c
         puts("; not measured on it");
         return -1;
     }
-    off = actual->error / predicted - 1.0;
+    off = actual->error == predicted ? 0.0 : actual->error / predicted - 1.0; /* both may be 0 */
     printf("; measured %.4f, %+.1f %%: %s %.0f %%\n", actual->error, 100.0 * off,
            fabs(off) <= TOLERANCE ? "within" : "beyond", 100.0 * TOLERANCE);
     return fabs(off) <= TOLERANCE;
@@ -267,24 +268,6 @@ static int hold_out_all(const csv *table, const arguments *a)
 
 /* ---- ready ------------------------------------------------------------------------------------------------------- */
 
-/* The error that is meant where none is named. */
-static void choose_error(const csv *table, selection *s)
-{
-    const int preferred[] = {CSV_rmse_hf, CSV_rmse_model, CSV_rmse_sampling};
-    points    p;
-    char      unused[64];
-    int       k, given = s->error;
-
-    for (k = 0; given < 0 && k < 3; k++) {
-        s->error = preferred[k];
-        if (points_make(&p, table, s, unused, sizeof unused)) {
-            points_free(&p);
-            return;
-        }
-    }
-    if (given < 0) s->error = preferred[0];
-}
-
 static int report(const csv *table, const arguments *a)
 {
     char error[1024];
@@ -316,7 +299,8 @@ int analysis_main(int argc, char **argv)
     if (table.note[0]) fail(0, table.note);
     if (!reports) {
         if (!a.selection.output) a.selection.output = "ao";
-        choose_error(&table, &a.selection);
+        if (a.selection.error < 0) a.selection.error = points_error(&table, &a.selection);
+        if (a.selection.error < 0) a.selection.error = CSV_rmse_hf; /* says what there is instead */
     }
     code = reports ? report(&table, &a) : a.holdout ? hold_out_all(&table, &a) : recommend(&table, &a);
     csv_free(&table);

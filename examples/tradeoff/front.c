@@ -220,6 +220,23 @@ const point *points_find(const points *p, const char *name)
     return NULL;
 }
 
+int points_error(const csv *table, const selection *s)
+{
+    const int preferred[] = {CSV_rmse_hf, CSV_rmse_model, CSV_rmse_sampling};
+    selection one = *s;
+    points    p;
+    char      unused[64];
+    int       k;
+
+    for (k = 0; k < (s->error < 0 ? 3 : 1); k++) {
+        if (s->error < 0) one.error = preferred[k];
+        if (!points_make(&p, table, &one, unused, sizeof unused)) continue;
+        points_free(&p);
+        return one.error;
+    }
+    return -1;
+}
+
 void points_keep(points *p, const points *also)
 {
     int i, kept = 0;

@@ -34,6 +34,9 @@ typedef struct points {
 /* 1; 0: error[] says what there is instead. The table must outlive the points. */
 int          points_make(points *out, const csv *table, const selection *s, char *error, size_t error_size);
 void         points_free(points *p);
+/* s->error, or if that is -1 the first of rmse_hf, rmse_model, rmse_sampling, if points can be made of it; -1: they
+ * cannot. */
+int          points_error(const csv *table, const selection *s);
 /* Leaves only the configs that are in `also`, too; the front is theirs then. */
 void         points_keep(points *p, const points *also);
 /* The fastest point with this config hash, preset, or config text; NULL: there is none. */

@@ -15,7 +15,6 @@
 #define NAME_BYTES 64
 
 static const char *const outputs[] = {"ao", "near", "far"};
-static const int         preferred[] = {CSV_rmse_hf, CSV_rmse_model, CSV_rmse_sampling};
 
 /* A page in the making. */
 typedef struct page {
@@ -210,25 +209,6 @@ static int write_output(page *pg, const csv *table, const selection *s)
     return ok;
 }
 
-/* The first of the preferred errors that is known of an output; -1: none. */
-static int known_error(const csv *table, const char *output, const selection *s)
-{
-    selection one = *s;
-    points    p;
-    char      unused[256];
-    size_t    k;
-
-    one.output = output;
-    for (k = 0; k < sizeof preferred / sizeof *preferred; k++) {
-        one.error = s->error >= 0 ? s->error : preferred[k];
-        if (points_make(&p, table, &one, unused, sizeof unused)) {
-            points_free(&p);
-            return one.error;
-        }
-    }
-    return -1;
-}
-
 static int write_page(page *pg, const csv *table, const selection *s, int *nothing)
 {
     selection one = *s;
@@ -244,14 +224,15 @@ static int write_page(page *pg, const csv *table, const selection *s, int *nothi
     for (i = 0; ok && i < 3; i++) {
         if (s->output && strcmp(s->output, outputs[i]) != 0) continue;
         one.output = outputs[i];
-        one.error = known_error(table, outputs[i], s);
+        one.error = s->error;
+        one.error = points_error(table, &one);
         if (one.error < 0) continue;
         ok = write_output(pg, table, &one);
         written++;
     }
     if (written > 0) return ok;
     one.output = s->output ? s->output : "ao";
-    one.error = s->error >= 0 ? s->error : preferred[0];
+    one.error = s->error >= 0 ? s->error : CSV_rmse_hf;
     *nothing = 1;
     return write_output(pg, table, &one); /* says what there is instead */
 }

@@ -16,8 +16,8 @@
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define NEAR(a, b, within) assert_true(fabs((double)(a) - (double)(b)) <= (within))
 #define EXACT 1e-12
-#define HEAD "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max," \
-             "rmse_hf,bias_hf\n"
+#define HEAD "version,config_hash,config,preset,device,driver,backend,frame,width,height,output," \
+             "ms_min,ms_median,ms_max,rmse_hf,bias_hf\n"
 
 static char folder[] = "test_analysis_XXXXXX"; /* in the working folder, removed at the end */
 static char csv_path[64], log_path[64], error[1024], printed[16384];
