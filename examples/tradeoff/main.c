@@ -3,9 +3,8 @@
 #include <string.h>
 
 #define HBIL_IMPLEMENTATION
-#include "commands.h"
-
 #include "analysis.h"
+#include "commands.h"
 
 static void help(void)
 {
@@ -42,7 +41,7 @@ int main(int argc, char **argv)
     if (strcmp(name, "sweep") == 0) return sweep_main(argc - 2, argv + 2);
     if (strcmp(name, "pair") == 0) return pair_main(argc - 2, argv + 2);
     if (strcmp(name, "ablate") == 0) return ablate_main(argc - 2, argv + 2);
-    if ((strcmp(name, "report") == 0 || strcmp(name, "recommend") == 0) && analysis_main) return analysis_main(argc - 1, argv + 1);
+    if (analysis_knows(name)) return analysis_main(argc, argv);
     fprintf(stderr, "hbil-tradeoff: %s: must be sweep, pair, ablate, report or recommend; hbil-tradeoff --help tells more\n",
             *name ? name : "no command");
     return TRADE_USAGE;
