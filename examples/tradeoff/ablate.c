@@ -59,9 +59,10 @@ typedef struct ablation {
     settings    s;
     const char *text, *against;
     double      tolerance;
-    runner     *device[2];
+    runner     *device;
     subject     sub;
     truth       t;
+    lit         side[2];        /* the config that others are compared with, and the other */
     duel        d;
     verdict     full, without[FEATURES];
     int         used[FEATURES]; /* the feature is in the full config */
@@ -152,17 +153,17 @@ static double error_of(const ablation *a, const errors *e)
 /* Runs the config in turns with the one that lies in side 0; stays open in side 1. */
 static int judge(ablation *a, const hbil_config *config, verdict *v)
 {
-    lit *l = &a->d.side[1];
+    lit *l = &a->side[1];
     int  code;
 
     lit_close(l);
     v->config = *config;
-    if (!lit_open(l, a->device[1], &a->s, config, &a->sub, a->s.error, sizeof a->s.error)) return TRADE_MISFIT;
+    if (!lit_open(l, a->device, &a->s, config, &a->sub, a->s.error, sizeof a->s.error)) return TRADE_MISFIT;
     code = measure_errors(&a->s, l, &a->t, &a->full.config, NULL, 0, v->out);
     if (code == TRADE_DONE) code = measure_cost(&a->s, &l->plan, &v->cost);
-    if (code == TRADE_DONE) code = duel_run(&a->s, &a->d);
+    if (code == TRADE_DONE) code = duel_run(&a->s, &a->side[0], &a->side[1], &a->d);
     if (code != TRADE_DONE) return code;
-    v->time = timing_compare(a->d.ms[0], a->d.ms[1], a->d.runs);
+    v->time = timing_compare(a->d.turn[0], a->d.turn[1], a->d.turns);
     v->ms = timing_median(a->d.ms[1], a->d.runs);
     return TRADE_DONE;
 }
@@ -173,9 +174,9 @@ static int set_rival(ablation *a, const hbil_config *config)
     image images[OUTS];
     int   k, ok;
 
-    lit_close(&a->d.side[0]);
-    if (!lit_open(&a->d.side[0], a->device[0], &a->s, config, &a->sub, a->s.error, sizeof a->s.error)) return TRADE_MISFIT;
-    ok = lit_images(&a->d.side[0], 0, images, a->s.error, sizeof a->s.error); /* fills its history */
+    lit_close(&a->side[0]);
+    if (!lit_open(&a->side[0], a->device, &a->s, config, &a->sub, a->s.error, sizeof a->s.error)) return TRADE_MISFIT;
+    ok = lit_images(&a->side[0], 0, images, a->s.error, sizeof a->s.error); /* fills its history */
     for (k = 0; k < OUTS; k++) image_free(&images[k]);
     return ok ? TRADE_DONE : TRADE_BACKEND;
 }
@@ -343,8 +344,8 @@ static int run_subject(ablation *a)
     }
     if (code == TRADE_DONE) code = print_smallest(a, &best);
     progress_end(&a->s);
-    lit_close(&a->d.side[0]);
-    lit_close(&a->d.side[1]);
+    lit_close(&a->side[0]);
+    lit_close(&a->side[1]);
     truth_free(&a->t);
     return code;
 }
@@ -356,11 +357,9 @@ static int run(ablation *a)
 
     code = subject_find(&a->s, &list);
     if (code != TRADE_DONE) return code;
-    for (i = 0; i < 2; i++) {
-        a->device[i] = runner_open(a->s.backend, 0, a->s.error, sizeof a->s.error);
-        if (!a->device[i]) return TRADE_BACKEND;
-    }
-    printf("%s: %s\n\n", runner_about(a->device[0])->backend, runner_about(a->device[0])->device);
+    a->device = runner_open(a->s.backend, 0, a->s.error, sizeof a->s.error);
+    if (!a->device) return TRADE_BACKEND;
+    printf("%s: %s\n\n", runner_about(a->device)->backend, runner_about(a->device)->device);
     for (i = 0; code == TRADE_DONE && i < list.count; i++) {
         code = subject_load(&a->s, &list.items[i], &a->sub);
         if (code != TRADE_DONE) break;
@@ -373,9 +372,10 @@ static int run(ablation *a)
 int ablate_main(int argc, char **argv)
 {
     static ablation a;
-    int             code, i;
+    int             code;
 
     settings_default(&a.s);
+    a.s.repeat = 7;
     a.tolerance = 0.05;
     a.against = "model";
     if (command_line(&a.s, argc, argv, ablate_help, take, &a, &code)) {
@@ -383,7 +383,7 @@ int ablate_main(int argc, char **argv)
         code = run(&a);
         if (code != TRADE_DONE) command_fail(&a.s, code);
     }
-    for (i = 0; i < 2; i++) runner_close(a.device[i]);
+    runner_close(a.device);
     settings_free(&a.s);
     return code;
 }

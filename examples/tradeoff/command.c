@@ -45,21 +45,30 @@ int command_line(settings *s, int argc, char **argv, void (*help)(void),
     return *code == TRADE_DONE;
 }
 
-int duel_run(settings *s, duel *d)
+/* Compiles, fills the history, and runs a block. */
+static int take_turn(settings *s, lit *l, duel *d, int side)
 {
-    double warm[2], begun;
-    int    side, stable;
+    double *ms = d->ms[side] + d->runs, first[2];
 
-    d->stable = 1;
-    for (side = 0; side < 2; side++) {
-        if (!timing_warm(lit_run, &d->side[side], 0.25 * s->seconds, &warm[side], &stable, s->error, sizeof s->error))
-            return TRADE_BACKEND;
-        d->stable &= stable;
-    }
+    if (!lit_run(l, 2, first, s->error, sizeof s->error) || !lit_run(l, DUEL_BLOCK, ms, s->error, sizeof s->error)) return 0;
+    d->turn[side][d->turns] = timing_median(ms, DUEL_BLOCK);
+    return 1;
+}
+
+int duel_run(settings *s, lit *a, lit *b, duel *d)
+{
+    double begun, ms;
+    int    stable[2];
+
+    d->runs = d->turns = 0;
+    if (!timing_warm(lit_run, a, 0.25 * s->seconds, &ms, &stable[0], s->error, sizeof s->error)
+        || !timing_warm(lit_run, b, 0.25 * s->seconds, &ms, &stable[1], s->error, sizeof s->error)) return TRADE_BACKEND;
+    d->stable = stable[0] && stable[1];
     begun = seconds_now();
-    for (d->runs = 0; d->runs < s->repeat && (d->runs < 3 || seconds_now() - begun < s->seconds); d->runs++)
-        for (side = 0; side < 2; side++)
-            if (!lit_run(&d->side[side], 1, &d->ms[side][d->runs], s->error, sizeof s->error)) return TRADE_BACKEND;
+    for (; d->turns < s->repeat && d->runs + DUEL_BLOCK <= TIMING_RUNS_MAX; d->turns++, d->runs += DUEL_BLOCK) {
+        if (d->turns >= 3 && seconds_now() - begun > s->seconds) break;
+        if (!take_turn(s, a, d, 0) || !take_turn(s, b, d, 1)) return TRADE_BACKEND;
+    }
     return TRADE_DONE;
 }
 

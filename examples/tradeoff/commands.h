@@ -19,10 +19,17 @@ int  command_fail(const settings *s, int code);
 int  command_line(settings *s, int argc, char **argv, void (*help)(void),
                   int (*take)(void *user, settings *s, const char *name, const char *value), void *user, int *code);
 
-/* Two configs on one frame, each with a device of its own, so that both keep their shaders. */
-typedef struct duel { lit side[2]; double ms[2][TIMING_RUNS_MAX]; int runs, stable; } duel;
-/* The times of two opened ones, in turns: A B A B. An exit code. */
-int  duel_run(settings *s, duel *d);
+#define DUEL_BLOCK 3 /* runs of one side, before the other has its turn */
+
+/* Two configs in turns, A B A B, on one device: what another one, or a later minute, makes of the same shader is often more than what
+ * two configs differ by. Each turn begins with shaders and textures made anew. */
+typedef struct duel {
+    double ms[2][TIMING_RUNS_MAX];    /* of all runs */
+    double turn[2][TIMING_RUNS_MAX];  /* their medians */
+    int    runs, turns, stable;       /* of each side */
+} duel;
+/* s->repeat turns of each, or what fits into s->seconds, at least 3. An exit code. */
+int  duel_run(settings *s, lit *a, lit *b, duel *d);
 /* A line of words for a ratio: "-12.3 % [-13.0, -11.5]", or "within noise". */
 void duel_words(const timing_ratio *r, char *out, size_t size);
 

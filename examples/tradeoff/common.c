@@ -81,8 +81,8 @@ void settings_help(void)
           "  --backend B       vulkan (default), gl or gles\n"
           "  --set A=B,C=D     options for every config\n"
           "  --env E           light behind what is visible, as hbil-frame has it, default sky; environment=constant gets its mean\n"
-          "  --repeat N        timed runs of a config, default 9\n"
-          "  --seconds S       but no more than fit into S seconds, default 10; at least 3, or 1 where one takes longer than that\n"
+          "  --repeat N        timed runs of a config, default 9; pair and ablate: turns of three runs of each, default 15 and 7\n"
+          "  --seconds S       but no more than fit into S seconds, default 10; at least 3, or 1 run where it takes longer than that\n"
           "  --converged LxTxF the converged estimator: slices, steps, frames of noise; default 16x256x2\n"
           "  --cache DIR       where truths are kept, default $XDG_CACHE_HOME/hbil-tradeoff or ~/.cache/hbil-tradeoff\n"
           "  -q                no progress\n", stdout);

@@ -10,13 +10,13 @@ typedef struct pair {
     settings    s;
     const char *text[2];
     int         count;
-    runner     *device[2];
+    runner     *device;
 } pair;
 
 void pair_help(void)
 {
     fputs("  pair    A B frames\n"
-          "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", run in turns A B A B. Tells medians, the\n"
+          "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", run in turns A B A B of three runs. Tells medians, the\n"
           "          interval (99 %, bootstrap) of their ratio, and whether it is within noise\n", stdout);
 }
 
@@ -59,20 +59,20 @@ static void print_errors(const errors a[OUTS], const errors b[OUTS])
 }
 
 /* Errors of one side; its images come before the times. */
-static int judge(pair *p, lit *l, const truth *t, int side, const hbil_config *config, errors out[OUTS])
+static int judge(pair *p, lit *l, const truth *t, const hbil_config *config, errors out[OUTS])
 {
     image converged[OUTS];
-    int   k, code = truth_converged(&p->s, p->device[side], l->sub, config, converged);
+    int   k, code = truth_converged(&p->s, p->device, l->sub, config, converged);
 
     if (code == TRADE_DONE) code = measure_errors(&p->s, l, t, config, converged, 0, out);
     for (k = 0; k < OUTS; k++) image_free(&converged[k]);
     return code;
 }
 
-static void print_times(const pair *p, const duel *d, const price cost[2])
+static void print_times(const pair *p, const duel *d, const lit sides[2], const price cost[2])
 {
     static times t;
-    timing_ratio ratio = timing_compare(d->ms[0], d->ms[1], d->runs);
+    timing_ratio ratio = timing_compare(d->turn[0], d->turn[1], d->turns);
     char         words[96];
     int          side;
 
@@ -80,15 +80,16 @@ static void print_times(const pair *p, const duel *d, const price cost[2])
         memcpy(t.ms, d->ms[side], (size_t)d->runs * sizeof *t.ms);
         t.runs = d->runs;
         times_sum_up(&t);
-        print_side(p, side, &d->side[side].plan, &t, &cost[side]);
+        print_side(p, side, &sides[side].plan, &t, &cost[side]);
     }
     duel_words(&ratio, words, sizeof words);
-    printf("time of B against A: %s; %d runs each, in turns%s\n", words, d->runs, d->stable ? "" : "; the warm-up found no rest");
+    printf("time of B against A: %s; %d turns of %d runs each%s\n", words, d->turns, DUEL_BLOCK, d->stable ? "" : "; the warm-up found no rest");
 }
 
 static int run_subject(pair *p, const subject *sub)
 {
     static duel d;
+    static lit  sides[2];
     errors      out[2][OUTS];
     price       cost[2];
     truth       t;
@@ -103,18 +104,18 @@ static int run_subject(pair *p, const subject *sub)
     code = truth_make(&p->s, sub, far, &t);
     if (code != TRADE_DONE) return code;
     for (side = 0; code == TRADE_DONE && side < 2; side++) {
-        if (!lit_open(&d.side[side], p->device[side], &p->s, &config[side], sub, p->s.error, sizeof p->s.error)) code = TRADE_MISFIT;
+        if (!lit_open(&sides[side], p->device, &p->s, &config[side], sub, p->s.error, sizeof p->s.error)) code = TRADE_MISFIT;
         else opened++;
-        if (code == TRADE_DONE) code = judge(p, &d.side[side], &t, side, &config[side], out[side]);
-        if (code == TRADE_DONE) code = measure_cost(&p->s, &d.side[side].plan, &cost[side]);
+        if (code == TRADE_DONE) code = judge(p, &sides[side], &t, &config[side], out[side]);
+        if (code == TRADE_DONE) code = measure_cost(&p->s, &sides[side].plan, &cost[side]);
     }
-    if (code == TRADE_DONE) code = duel_run(&p->s, &d);
+    if (code == TRADE_DONE) code = duel_run(&p->s, &sides[0], &sides[1], &d);
     if (code == TRADE_DONE) {
         printf("%s, %dx%d\n", sub->name, subject_judged(sub)->width, subject_judged(sub)->height);
-        print_times(p, &d, cost);
+        print_times(p, &d, sides, cost);
         print_errors(out[0], out[1]);
     }
-    while (opened > 0) lit_close(&d.side[--opened]);
+    while (opened > 0) lit_close(&sides[--opened]);
     truth_free(&t);
     return code;
 }
@@ -131,11 +132,10 @@ static int run(pair *p)
     }
     code = subject_find(&p->s, &list);
     if (code != TRADE_DONE) return code;
-    for (i = 0; i < 2; i++) {
-        p->device[i] = runner_open(p->s.backend, 0, p->s.error, sizeof p->s.error);
-        if (!p->device[i]) return TRADE_BACKEND;
-    }
-    printf("%s: %s, %s\n", runner_about(p->device[0])->backend, runner_about(p->device[0])->device, runner_about(p->device[0])->timing);
+    p->device = runner_open(p->s.backend, 0, p->s.error, sizeof p->s.error);
+    if (!p->device) return TRADE_BACKEND;
+    printf("%s: %s, %s\n", runner_about(p->device)->backend, runner_about(p->device)->device,
+           runner_about(p->device)->timing);
     for (i = 0; code == TRADE_DONE && i < list.count; i++) {
         code = subject_load(&p->s, &list.items[i], &sub);
         if (code == TRADE_DONE) code = run_subject(p, &sub);
@@ -147,15 +147,15 @@ static int run(pair *p)
 int pair_main(int argc, char **argv)
 {
     static pair p;
-    int         code, i;
+    int         code;
 
     settings_default(&p.s);
-    p.s.repeat = 25;
+    p.s.repeat = 15;
     if (command_line(&p.s, argc, argv, pair_help, take, &p, &code)) {
         code = run(&p);
         if (code != TRADE_DONE) command_fail(&p.s, code);
     }
-    for (i = 0; i < 2; i++) runner_close(p.device[i]);
+    runner_close(p.device);
     settings_free(&p.s);
     return code;
 }

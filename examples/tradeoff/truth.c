@@ -288,6 +288,10 @@ void truth_family(const settings *s, const hbil_config *config, hbil_config *out
 
     c.outputs &= HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_FAR;
     c.slices = s->converged.slices;
+    if (c.march == HBIL_MARCH_SWEEP) { /* its directions are those of every frame: more of them instead */
+        c.slices *= s->converged.frames;
+        if (c.slices > 64) c.slices = 64;
+    }
     c.steps = s->converged.steps;
     if (!by_count) {
         c.spacing = HBIL_SPACING_POWER;
@@ -326,7 +330,7 @@ static void add_images(image sum[OUTS], const image more[OUTS], float factor)
 /* The mean over frames of noise. With recursive bounces those before them fill the history. */
 static int average(settings *s, lit *l, image out[OUTS])
 {
-    const int frames = s->converged.frames, warm = l->history ? BOUNCES : 0;
+    const int frames = l->plan.config.march == HBIL_MARCH_SWEEP ? 1 : s->converged.frames, warm = l->history ? BOUNCES : 0;
     image     one[OUTS];
     int       f, k, ok = 1;
 

@@ -1,11 +1,12 @@
 #!/bin/sh
 # The command line of hbil-tradeoff: exit codes, a sweep that is killed and goes on, a pair, an ablation.
-#   run.sh HBIL_TRADEOFF SHADERGEN
+#   run.sh HBIL_TRADEOFF SHADERGEN TRADEOFF_FRAMES
 set -eu
-tool=$1 shadergen=$2
+tool=$1 shadergen=$2 frames=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-frame="--scene fence --size 48x28 --rays 16 --converged 4x32x1 --seconds 0.5 --cache $work/cache -q"
+common="--converged 4x32x1 --seconds 0.5 --cache $work/cache -q"
+frame="--scene fence --size 48x28 --rays 16 $common"
 
 fail() { echo "FAILED: $*"; exit 1; }
 # code WANTED ARGUMENTS...: runs the program, output in $work/log
@@ -66,10 +67,10 @@ code 0 sweep $frame --options "$options" --budget 4 --out "$work/some.csv"
 noise() { awk -F, -v c="outputs=ao+near slices=$1 steps=8" '$3 == c && $11 == "ao" { print $20 }' "$work/whole.csv"; }
 awk "BEGIN { exit !($(noise 4) < 0.8 * $(noise 1)) }" || fail "four slices have the noise of one"
 
-# ---- a config against itself; against four times the work
-code 0 pair fast fast $frame --repeat 15; says 'within noise'
-code 0 pair 'outputs=ao slices=2 steps=4' 'outputs=ao slices=8 steps=32' $frame --repeat 15
-if grep -q 'within noise' "$work/log"; then cat "$work/log"; fail "32 times the samples within noise"; fi
+# ---- a config against itself; against 512 times the samples
+code 0 pair fast fast $frame --repeat 9 --seconds 2; says 'within noise'
+code 0 pair 'outputs=ao slices=1 steps=2' 'outputs=ao slices=16 steps=64' $frame --repeat 5 --seconds 2
+if grep -q 'within noise' "$work/log"; then cat "$work/log"; fail "512 times the samples within noise"; fi
 
 # ---- what a config can do without
 code 0 ablate 'outputs=ao+near filter=5x5 facing=half_space steps=2 slices=2' $frame --repeat 3 --tolerance 0.3
@@ -78,4 +79,15 @@ set=$(sed -n 's/^    shadergen --set //p' "$work/log")
 [ -n "$set" ] || { cat "$work/log"; fail "no smallest config"; }
 "$shadergen" --set "$set" --pass march >/dev/null || fail "the smallest config does not resolve"
 if [ "$set" = 'outputs=ao+near,slices=2,steps=2,filter=5x5,facing=half_space' ]; then fail "with 30 % of tolerance nothing was dropped"; fi
+
+# ---- captures in folders: a sequence with its history; metals
+mkdir "$work/captures"
+"$frames" "$work/captures" || fail "no captures were written"
+code 0 sweep --frames "$work/captures" $common --options 'temporal=no,yes reproject=gather' --out "$work/frames.csv"
+[ "$(cut -d, -f8 "$work/frames.csv" | sort | uniq -c | tr -s ' ' | tr '\n' ';')" = ' 1 frame; 4 metal; 4 move;' ] || {
+    cat "$work/frames.csv"; fail "other frames"; }
+noise() { awk -F, -v c="$1" '$8 == "move" && $11 == "ao" && (index($3, "temporal=yes") > 0) == c { print $20 }' "$work/frames.csv"; }
+awk "BEGIN { exit !($(noise 1) < $(noise 0)) }" || fail "a history of three frames takes no noise away"
+code 0 ablate 'f0=scalar slices=2 steps=4 outputs=near' --frames "$work/captures/metal" $common --repeat 3
+awk -F'|' '/f0=none/ { found = $6 + 0 } END { exit !(found > 5) }' "$work/log" || { cat "$work/log"; fail "metals lose nothing without f0"; }
 echo "all passed"
