@@ -1,4 +1,5 @@
-/* ablate.c - hbil-tradeoff ablate: what each feature of a config buys on a frame, and what is left when those go that buy nothing. */
+/* ablate.c - hbil-tradeoff ablate: what each feature of a config buys on a frame, and what is left when those go that
+ * buy nothing. */
 #include "commands.h"
 
 #include <math.h>
@@ -9,8 +10,8 @@
 #define FULL  "estimator=bitmask occluder=thick facing=half_space f0=rgb mips=spread interleave=yes filter=5x5"
 #define SLACK 1e-4 /* rmse that never counts as a loss: below what 16-bit floats hold of 1 */
 
-/* A step down: where `option` has one of the values `from`, the options `to` take its place. compat: the feature is the arithmetic
- * that this member of seed_compat takes back. */
+/* A step down: where `option` has one of the values `from`, the options `to` take its place. compat: the feature is the
+ * arithmetic that this member of seed_compat takes back. */
 typedef struct feature { const char *name, *option, *from, *to; uint32_t compat; } feature;
 
 static const feature features[] = {
@@ -70,12 +71,14 @@ typedef struct ablation {
 
 void ablate_help(void)
 {
-    fputs("  ablate  [CONFIG | --preset NAME] [--tolerance T] [--against model|field] frames\n"
-          "          switches off one feature of the config at a time, and tells what each buys in error and costs in time, fetches and\n"
-          "          bytes; then drops features, dearest first, as long as no output's error grows by more than the tolerance.\n"
-          "          Without a config: sectors, thickness, facing, Fresnel term, mips, filter; ao, near and far light\n"
-          "  --tolerance T     relative growth of the rmse, default 0.05\n"
-          "  --against model   the path-traced scene, where a frame has it (default); field: the height field\n", stdout);
+    fputs(
+        "  ablate  [CONFIG | --preset NAME] [--tolerance T] [--against model|field] frames\n"
+        "          switches off one feature of the config at a time, and tells what each buys in error and costs in time, fetches\n"
+        "          and bytes; then drops features, dearest first, as long as no output's error grows by more than the tolerance.\n"
+        "          Without a config: sectors, thickness, facing, Fresnel term, mips, filter; ao, near and far light\n"
+        "  --tolerance T     relative growth of the rmse, default 0.05\n"
+        "  --against model   the path-traced scene, where a frame has it (default); field: the height field\n",
+        stdout);
 }
 
 static int take(void *user, settings *s, const char *name, const char *value)
@@ -199,7 +202,8 @@ static int is_good(const ablation *a, const verdict *v)
 /* Faster; or as fast, with less to read and write. */
 static int is_cheaper(const verdict *v, const verdict *than)
 {
-    return !v->time.within_noise ? v->time.median < 1.0 : v->cost.fetches + bytes_of(v) < than->cost.fetches + bytes_of(than);
+    return !v->time.within_noise ? v->time.median < 1.0
+                                 : v->cost.fetches + bytes_of(v) < than->cost.fetches + bytes_of(than);
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
@@ -213,7 +217,8 @@ static void print_head(const ablation *a)
     printf("| without | ms | fetches | bytes |");
     for (k = 0; k < OUTS; k++)
         if (f->out[k].present)
-            printf(" rmse %s, %s |", out_names[k], error_of(a, &f->out[k]) == f->out[k].rmse_model ? "scene" : "height field");
+            printf(" rmse %s, %s |", out_names[k],
+                   error_of(a, &f->out[k]) == f->out[k].rmse_model ? "scene" : "height field");
     printf("\n|---|---|---:|---:|");
     for (k = 0; k < OUTS; k++) fputs(f->out[k].present ? "---:|" : "", stdout);
     printf("\n| (full) | %.3f | %.1f | %.1f |", f->ms, f->cost.fetches, bytes_of(f));
@@ -229,7 +234,8 @@ static void print_row(const ablation *a, const char *name, const char *to, const
     int  k;
 
     duel_words(&v->time, words, sizeof words);
-    printf("| %s: `%s` | %s | %+.1f | %+.1f |", name, to, words, v->cost.fetches - a->full.cost.fetches, bytes_of(v) - bytes_of(&a->full));
+    printf("| %s: `%s` | %s | %+.1f | %+.1f |", name, to, words, v->cost.fetches - a->full.cost.fetches,
+           bytes_of(v) - bytes_of(&a->full));
     for (k = 0; k < OUTS; k++)
         if (a->full.out[k].present)
             printf(" %+.1f %% |", 100.0 * (error_of(a, &v->out[k]) / error_of(a, &a->full.out[k]) - 1.0));
@@ -239,7 +245,8 @@ static void print_row(const ablation *a, const char *name, const char *to, const
 
 static const char *to_of(const feature *f)
 {
-    return f->to ? f->to : f->compat == HBIL_SEED_COMPAT_SLICE_MEAN ? "seed_compat=slice_mean" : "seed_compat=screen_azimuth";
+    if (f->to) return f->to;
+    return f->compat == HBIL_SEED_COMPAT_SLICE_MEAN ? "seed_compat=slice_mean" : "seed_compat=screen_azimuth";
 }
 
 static void print_unused(const ablation *a)
@@ -266,7 +273,8 @@ static int drop_each(ablation *a)
     if (code == TRADE_DONE) code = judge(a, &a->full.config, &a->full);
     if (code != TRADE_DONE) return code;
     config_text(&a->full.config, ' ', text);
-    printf("### %s, %dx%d\n\nfull: `%s`\n\n", a->sub.name, subject_judged(&a->sub)->width, subject_judged(&a->sub)->height, text);
+    printf("### %s, %dx%d\n\nfull: `%s`\n\n", a->sub.name, subject_judged(&a->sub)->width,
+           subject_judged(&a->sub)->height, text);
     print_head(a);
     for (i = 0; code == TRADE_DONE && i < FEATURES; i++) {
         a->used[i] = drop(&a->full.config, &features[i], &c);
@@ -333,7 +341,8 @@ static int run_subject(ablation *a)
     verdict best;
     int     code;
 
-    if (!config_make(&a->s, a->text, 1, subject_judged(&a->sub), &a->full.config, a->s.error, sizeof a->s.error)) return TRADE_REFUSED;
+    if (!config_make(&a->s, a->text, 1, subject_judged(&a->sub), &a->full.config, a->s.error, sizeof a->s.error))
+        return TRADE_REFUSED;
     code = truth_make(&a->s, &a->sub, (a->full.config.outputs & HBIL_OUTPUTS_FAR) != 0, &a->t);
     if (code != TRADE_DONE) return code;
     code = drop_each(a);
@@ -375,7 +384,7 @@ int ablate_main(int argc, char **argv)
     int             code;
 
     settings_default(&a.s);
-    a.s.repeat = 7;
+    a.s.repeat = 9;
     a.tolerance = 0.05;
     a.against = "model";
     if (command_line(&a.s, argc, argv, ablate_help, take, &a, &code)) {

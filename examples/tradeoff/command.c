@@ -50,7 +50,8 @@ static int take_turn(settings *s, lit *l, duel *d, int side)
 {
     double *ms = d->ms[side] + d->runs, first[2];
 
-    if (!lit_run(l, 2, first, s->error, sizeof s->error) || !lit_run(l, DUEL_BLOCK, ms, s->error, sizeof s->error)) return 0;
+    if (!lit_run(l, 2, first, s->error, sizeof s->error) || !lit_run(l, DUEL_BLOCK, ms, s->error, sizeof s->error))
+        return 0;
     d->turn[side][d->turns] = timing_median(ms, DUEL_BLOCK);
     return 1;
 }
@@ -62,7 +63,8 @@ int duel_run(settings *s, lit *a, lit *b, duel *d)
 
     d->runs = d->turns = 0;
     if (!timing_warm(lit_run, a, 0.25 * s->seconds, &ms, &stable[0], s->error, sizeof s->error)
-        || !timing_warm(lit_run, b, 0.25 * s->seconds, &ms, &stable[1], s->error, sizeof s->error)) return TRADE_BACKEND;
+        || !timing_warm(lit_run, b, 0.25 * s->seconds, &ms, &stable[1], s->error, sizeof s->error))
+        return TRADE_BACKEND;
     d->stable = stable[0] && stable[1];
     begun = seconds_now();
     for (; d->turns < s->repeat && d->runs + DUEL_BLOCK <= TIMING_RUNS_MAX; d->turns++, d->runs += DUEL_BLOCK) {
@@ -76,5 +78,6 @@ void duel_words(const timing_ratio *r, char *out, size_t size)
 {
     const double low = 100.0 * (r->range.low - 1.0), high = 100.0 * (r->range.high - 1.0);
 
-    snprintf(out, size, "%+.1f %% [%+.1f, %+.1f]%s", 100.0 * (r->median - 1.0), low, high, r->within_noise ? ", within noise" : "");
+    snprintf(out, size, "%+.1f %% [%+.1f, %+.1f]%s", 100.0 * (r->median - 1.0), low, high,
+             r->within_noise ? ", within noise" : "");
 }

@@ -72,20 +72,27 @@ void settings_help(void)
 {
     int i;
 
-    fputs("  --frames DIR      a folder with frame-NNN.exr and camera-NNN.json, or a folder of such folders; several numbers in a\n"
-          "                    folder are a sequence, judged at its last frame. hf-NNN.exr is read, too\n"
-          "  --scene A,B       built-in scenes: ", stdout);
+    fputs(
+        "  --frames DIR      a folder with frame-NNN.exr and camera-NNN.json, or a folder of such folders; several\n"
+        "                    numbers in a folder are a sequence, judged at its last frame. hf-NNN.exr is read, too\n"
+        "  --scene A,B       built-in scenes: ",
+        stdout);
     for (i = 0; capture_scene_name(i); i++) printf("%s%s", i ? ", " : "", capture_scene_name(i));
-    fputs("\n  --size WxH        their size, default 640x360\n"
-          "  --rays N          their rays per pixel for the truth, default 128\n"
-          "  --backend B       vulkan (default), gl or gles\n"
-          "  --set A=B,C=D     options for every config\n"
-          "  --env E           light behind what is visible, as hbil-frame has it, default sky; environment=constant gets its mean\n"
-          "  --repeat N        timed runs of a config, default 9; pair and ablate: turns of three runs of each, default 15 and 7\n"
-          "  --seconds S       but no more than fit into S seconds, default 10; at least 3, or 1 run where it takes longer than that\n"
-          "  --converged LxTxF the converged estimator: slices, steps, frames of noise; default 16x256x2\n"
-          "  --cache DIR       where truths are kept, default $XDG_CACHE_HOME/hbil-tradeoff or ~/.cache/hbil-tradeoff\n"
-          "  -q                no progress\n", stdout);
+    fputs(
+        "\n  --size WxH        their size, default 640x360\n"
+        "  --rays N          their rays per pixel for the truth, default 128\n"
+        "  --backend B       vulkan (default), gl or gles\n"
+        "  --set A=B,C=D     options for every config\n"
+        "  --env E           light behind what is visible, as hbil-frame has it, default sky;\n"
+        "                    environment=constant gets its mean\n"
+        "  --repeat N        timed runs of a config, default 9; pair and ablate: turns of three runs of each,\n"
+        "                    default 15 and 9\n"
+        "  --seconds S       but no more than fit into S seconds, default 10; at least 3, or 1 run where it\n"
+        "                    takes longer than that\n"
+        "  --converged LxTxF the converged estimator: slices, steps, frames of noise; default 16x256x2\n"
+        "  --cache DIR       where truths are kept, default $XDG_CACHE_HOME/hbil-tradeoff or ~/.cache/hbil-tradeoff\n"
+        "  -q                no progress\n",
+        stdout);
 }
 
 static int number_argument(settings *s, const char *name, const char *value)
@@ -94,7 +101,8 @@ static int number_argument(settings *s, const char *name, const char *value)
         int size[2];
 
         if (!read_sizes(value, 2, 16384, size))
-            return frame_error(s->error, sizeof s->error, "--size %s: must be WxH, each in [1, 16384], as in 640x360", value);
+            return frame_error(s->error, sizeof s->error, "--size %s: must be WxH, each in [1, 16384], as in 640x360",
+                               value);
         s->width = size[0];
         s->height = size[1];
         return 1;
@@ -103,8 +111,10 @@ static int number_argument(settings *s, const char *name, const char *value)
         int n[3];
 
         if (!read_sizes(value, 3, 1024, n) || n[0] > 64)
-            return frame_error(s->error, sizeof s->error, "--converged %s: must be slices x steps x frames in [1, 64], [1, 1024], "
-                               "[1, 1024], as in 16x256x2", value);
+            return frame_error(s->error, sizeof s->error,
+                               "--converged %s: must be slices x steps x frames in [1, 64], [1, 1024], "
+                               "[1, 1024], as in 16x256x2",
+                               value);
         s->converged.slices = n[0];
         s->converged.steps = n[1];
         s->converged.frames = n[2];
@@ -124,8 +134,9 @@ static int number_argument(settings *s, const char *name, const char *value)
 
 int settings_argument(settings *s, const char *name, const char *value)
 {
-    const struct { const char *name; const char **target; } texts[] = {
-        {"--frames", &s->frames}, {"--scene", &s->scenes}, {"--backend", &s->backend}, {"--env", &s->env}, {"--cache", &s->cache},
+    const struct { const char *name, **target; } texts[] = {
+        {"--frames", &s->frames}, {"--scene", &s->scenes}, {"--backend", &s->backend},
+        {"--env", &s->env},       {"--cache", &s->cache},
     };
     size_t i;
 
@@ -136,7 +147,8 @@ int settings_argument(settings *s, const char *name, const char *value)
         return 1;
     }
     if (strcmp(name, "--set") == 0) {
-        if (!*value) return frame_error(s->error, sizeof s->error, "--set: without options, as in --set outputs=ao,steps=4");
+        if (!*value)
+            return frame_error(s->error, sizeof s->error, "--set: without options, as in --set outputs=ao,steps=4");
         if (s->set_count == SETS_MAX)
             return frame_error(s->error, sizeof s->error, "--set: more than %d. Join some with commas", SETS_MAX);
         s->sets[s->set_count++] = value;
@@ -186,8 +198,10 @@ static int make_cache(settings *s)
     if (s->cache) length = snprintf(s->cache_path, sizeof s->cache_path, "%s", s->cache);
     else if (xdg && *xdg) length = snprintf(s->cache_path, sizeof s->cache_path, "%s/hbil-tradeoff", xdg);
     else length = snprintf(s->cache_path, sizeof s->cache_path, "%s/.cache/hbil-tradeoff", home ? home : ".");
-    if (length < (int)sizeof s->cache_path && make_folders(s->cache_path) && access(s->cache_path, W_OK) == 0) return TRADE_DONE;
-    frame_error(s->error, sizeof s->error, "%.200s: cannot be made or written. Choose another folder with --cache", s->cache_path);
+    if (length < (int)sizeof s->cache_path && make_folders(s->cache_path) && access(s->cache_path, W_OK) == 0)
+        return TRADE_DONE;
+    frame_error(s->error, sizeof s->error, "%.200s: cannot be made or written. Choose another folder with --cache",
+                s->cache_path);
     return TRADE_FILES;
 }
 
@@ -201,7 +215,8 @@ int settings_finish(settings *s)
         frame_error(s->error, sizeof s->error, "--backend %s: must be vulkan, gl or gles", s->backend);
         return TRADE_USAGE;
     }
-    if (!environment_parse(&s->light, s->env, s->error, sizeof s->error)) return s->light.misuse ? TRADE_USAGE : TRADE_FILES;
+    if (!environment_parse(&s->light, s->env, s->error, sizeof s->error))
+        return s->light.misuse ? TRADE_USAGE : TRADE_FILES;
     flatten(s);
     return make_cache(s);
 }
@@ -238,7 +253,8 @@ static int parse(const settings *s, const char *text, hbil_config *c, char *erro
         if (strcmp(preset, "none") != 0 && hbil_config_preset(preset, c, &diags) != HBIL_OK)
             return refuse(&diags, text, error, error_size);
     }
-    if (hbil_config_parse(c, options, strlen(options), &diags) != HBIL_OK) return refuse(&diags, text, error, error_size);
+    if (hbil_config_parse(c, options, strlen(options), &diags) != HBIL_OK)
+        return refuse(&diags, text, error, error_size);
     for (i = 0; i < s->set_count; i++)
         if (hbil_config_parse(c, s->sets[i], strlen(s->sets[i]), &diags) != HBIL_OK)
             return refuse(&diags, s->sets[i], error, error_size);
@@ -254,7 +270,8 @@ static int names_outputs(const settings *s, const char *text)
     return found;
 }
 
-int config_make(const settings *s, const char *text, int far, const capture *cap, hbil_config *out, char *error, size_t error_size)
+int config_make(const settings *s, const char *text, int far, const capture *cap, hbil_config *out, char *error,
+                size_t error_size)
 {
     hbil_diag   items[32];
     hbil_diags  diags = {items, 32, 0};
@@ -279,7 +296,8 @@ const environment *config_light(const settings *s, const hbil_config *config, ch
 {
     if (config->environment == HBIL_ENVIRONMENT_CONSTANT) return &s->flat;
     if (config->environment == HBIL_ENVIRONMENT_NONE || config->environment == s->light.kind) return &s->light;
-    frame_error(error, error_size, "the config's environment is of another kind than --env %s. Choose one that fits", s->env);
+    frame_error(error, error_size, "the config's environment is of another kind than --env %s. Choose one that fits",
+                s->env);
     return NULL;
 }
 
@@ -303,13 +321,15 @@ const char *config_preset_of(const settings *s, const hbil_config *config, int f
     int32_t        i;
 
     for (i = 0; (name = hbil_preset_name(i)) != NULL; i++)
-        if (config_make(s, name, far, cap, &other, error, sizeof error) && hbil_config_hash(&other) == hash) return name;
+        if (config_make(s, name, far, cap, &other, error, sizeof error) && hbil_config_hash(&other) == hash)
+            return name;
     return "";
 }
 
 /* ---- progress ---------------------------------------------------------------------------------------------------- */
 
-static struct { double begun, from, shown; } progress; /* of the only line on stderr; from: what was done when it began */
+/* Of the only line on stderr. from: what was done when it began. */
+static struct { double begun, from, shown; } progress;
 
 double seconds_now(void)
 {

@@ -42,10 +42,12 @@ int  settings_finish(settings *s);
 void settings_free(settings *s);
 void settings_help(void);
 
-/* A config from text: options, in front of them preset=NAME, or a preset's name alone. `--set` comes on top. Filled in: target,
- * projection of the capture, f0=none where it has none, and outputs where nobody says: ao and near light, as far as the estimator
- * has them, with far != 0 far light under the environment, too. out is resolved. 0: error[] says why it is refused. */
-int  config_make(const settings *s, const char *text, int far, const capture *cap, hbil_config *out, char *error, size_t error_size);
+/* A config from text: options, in front of them preset=NAME, or a preset's name alone. `--set` comes on top. Filled in:
+ * target, projection of the capture, f0=none where it has none, and outputs where nobody says: ao and near light, as
+ * far as the estimator has them, with far != 0 far light under the environment, too. out is resolved. 0: error[] says
+ * why it is refused. */
+int config_make(const settings *s, const char *text, int far, const capture *cap, hbil_config *out, char *error,
+                size_t error_size);
 /* The environment that the config reads; NULL: it was not given, and error[] says so. */
 const environment *config_light(const settings *s, const hbil_config *config, char *error, size_t error_size);
 /* What differs from the defaults, as text for a config or, with commas, for --set. */

@@ -12,7 +12,8 @@
 static int add_value(grid_axis *a, const char *text, size_t length, char *error, size_t error_size)
 {
     if (length == 0 || length >= sizeof a->values[0])
-        return frame_error(error, error_size, "%s: a value of %d characters. Write NAME=VALUE,VALUE or NAME=A..B*K", a->name, (int)length);
+        return frame_error(error, error_size, "%s: a value of %d characters. Write NAME=VALUE,VALUE or NAME=A..B*K",
+                           a->name, (int)length);
     if (a->count == GRID_VALUES_MAX)
         return frame_error(error, error_size, "%s: more than %d values. Use a wider step", a->name, GRID_VALUES_MAX);
     memcpy(a->values[a->count], text, length);
@@ -36,8 +37,10 @@ static int add_range(grid_axis *a, const char *text, char *error, size_t error_s
         step = strtod(end + 1, &end);
     }
     if (!starts || *end || !(first <= last) || !(kind == '*' ? step > 1.0 && first > 0.0 : step > 0.0))
-        return frame_error(error, error_size, "%s=%s: a range is A..B*K with K above 1, A..B+K with K above 0, or A..B, "
-                           "and A is the smaller", a->name, text);
+        return frame_error(error, error_size,
+                           "%s=%s: a range is A..B*K with K above 1, A..B+K with K above 0, or A..B, "
+                           "and A is the smaller",
+                           a->name, text);
     for (i = 0; i <= GRID_VALUES_MAX; i++) {
         v = kind == '*' ? first * pow(step, i) : first + step * i;
         if (v > last * (1.0 + 1e-9)) break;
@@ -67,8 +70,8 @@ static int add_axis(grid *g, const char *name, char *list, char *error, size_t e
     int        i;
 
     if (strcmp(name, "preset") != 0 && hbil_option_find(name, strlen(name), &near) < 0)
-        return frame_error(error, error_size, "%s: no such option; %s is the nearest, and hbil-frame --help lists all", name,
-                           hbil_option_at(near)->name);
+        return frame_error(error, error_size, "%s: no such option; %s is the nearest, and hbil-frame --help lists all",
+                           name, hbil_option_at(near)->name);
     for (i = 0; i < g->count; i++)
         if (strcmp(g->axes[i].name, name) == 0)
             return frame_error(error, error_size, "%s: is there twice. Join its values with commas", name);

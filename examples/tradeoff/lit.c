@@ -7,7 +7,8 @@
 
 #include "output.h"
 
-#define STILL 16 /* frames of a still camera after which a history counts as filled: the default of the option history */
+/* Frames of a still camera after which a history counts as filled: the default of the option history. */
+#define STILL 16
 
 static void free_images(image images[HBIL_MAX_TEXTURES])
 {
@@ -60,7 +61,8 @@ static int run(lit *l, image out[OUTS], char *error, size_t error_size)
 
         memset(&out[k], 0, sizeof out[k]);
         if (at < 0 || l->plan.textures[at].life != HBIL_LIFE_OUTPUT) continue;
-        ok = output_take(&out[k], kinds[k], &textures[at]) || frame_error(error, error_size, "out of memory for the outputs");
+        ok = output_take(&out[k], kinds[k], &textures[at])
+             || frame_error(error, error_size, "out of memory for the outputs");
     }
     free_images(textures);
     return ok;
@@ -109,7 +111,8 @@ static int run_by_wall(lit *l, int count, double *ms, char *error, size_t error_
     int    i;
 
     for (i = 0; i < count; i++) {
-        if (!repeat_run(l, 1, NULL, &one, error, error_size) || !repeat_run(l, 5, NULL, &five, error, error_size)) return 0;
+        if (!repeat_run(l, 1, NULL, &one, error, error_size) || !repeat_run(l, 5, NULL, &five, error, error_size))
+            return 0;
         ms[i] = fmax(0.25 * (five - one), 0.0);
     }
     return 1;

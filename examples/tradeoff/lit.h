@@ -20,12 +20,13 @@ typedef struct lit {
 int  lit_open(lit *l, runner *device, const settings *s, const hbil_config *config, const subject *sub, char *error,
               size_t error_size);
 void lit_close(lit *l);
-/* The outputs ao, near and far of the judged frame, absent where the plan has none: with all of its history, or, of a single
- * frame, after 16 with a still camera. Without history the noise is that of frame `index`. Free each. */
+/* The outputs ao, near and far of the judged frame, absent where the plan has none: with all of its history, or, of a
+ * single frame, after 16 with a still camera. Without history the noise is that of frame `index`. Free each. */
 int  lit_images(lit *l, uint32_t index, image out[OUTS], char *error, size_t error_size);
 /* The next frame of a still camera, after lit_images. */
 int  lit_next(lit *l, image out[OUTS], char *error, size_t error_size);
-/* A timing_run: milliseconds of all passes, by the device's clock; where that stands still, by the wall's around finished work. */
+/* A timing_run: milliseconds of all passes, by the device's clock; where that stands still, by the wall's around
+ * finished work. */
 int  lit_run(void *lit, int count, double *ms, char *error, size_t error_size);
 
 #endif

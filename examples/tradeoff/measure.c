@@ -54,14 +54,15 @@ int measure_time(settings *s, lit *l, times *t)
     if (ms > 1000.0 * s->seconds) t->runs = 1;
     for (i = 0; i < t->runs; i += BURST) { /* with pauses: a busy moment of the machine shows as a wide interval */
         if (i > 0) nanosleep(&pause, NULL);
-        if (!lit_run(l, t->runs - i < BURST ? t->runs - i : BURST, t->ms + i, s->error, sizeof s->error)) return TRADE_BACKEND;
+        if (!lit_run(l, t->runs - i < BURST ? t->runs - i : BURST, t->ms + i, s->error, sizeof s->error))
+            return TRADE_BACKEND;
     }
     times_sum_up(t);
     return TRADE_DONE;
 }
 
-static void compare(const image *out, const image *converged, const image *model, const image *field, const truth *t, int k,
-                    errors *e)
+static void compare(const image *out, const image *converged, const image *model, const image *field, const truth *t,
+                    int k, errors *e)
 {
     e->present = 1;
     if (converged && converged->data) e->rmse_sampling = metric_rmse(out, converged, t->surface);
@@ -97,7 +98,8 @@ static int measure_flicker(settings *s, lit *l, const truth *t, errors out[OUTS]
     return ok;
 }
 
-int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker, errors out[OUTS])
+int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker,
+                   errors out[OUTS])
 {
     image images[OUTS];
     int   k;
@@ -106,13 +108,14 @@ int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, c
         errors *e = &out[k];
 
         e->present = 0;
-        e->rmse_sampling = e->rmse_estimator = e->rmse_model = e->bias_model = e->p95_model = e->rmse_field = e->bias_field
-            = e->flicker = NAN;
+        e->rmse_sampling = e->rmse_estimator = e->rmse_model = e->bias_model = e->p95_model = e->rmse_field =
+            e->bias_field = e->flicker = NAN;
     }
     if (!lit_images(l, 0, images, s->error, sizeof s->error)) return TRADE_BACKEND;
     for (k = 0; k < OUTS; k++) {
         if (images[k].data)
-            compare(&images[k], converged ? &converged[k] : NULL, truth_model(t, s, as, k), truth_field(t, as, k), t, k, &out[k]);
+            compare(&images[k], converged ? &converged[k] : NULL, truth_model(t, s, as, k), truth_field(t, as, k), t, k,
+                    &out[k]);
         image_free(&images[k]);
     }
     return !flicker || measure_flicker(s, l, t, out) ? TRADE_DONE : TRADE_BACKEND;

@@ -36,7 +36,8 @@ int  measure_all(settings *s, runner *device, const subject *sub, const truth *t
                  const hbil_config *config, measured *m);
 /* Its parts. l: opened; images come first, times after them. */
 /* as: the config whose truths are taken; converged: NULL: no sampling and estimator error. */
-int  measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker, errors out[OUTS]);
+int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker,
+                   errors out[OUTS]);
 int  measure_time(settings *s, lit *l, times *t);
 int  measure_cost(settings *s, const hbil_plan *plan, price *cost);
 /* min, median, max and interval of ms[runs]. */

@@ -15,9 +15,11 @@ typedef struct pair {
 
 void pair_help(void)
 {
-    fputs("  pair    A B frames\n"
-          "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", run in turns A B A B of three runs. Tells medians, the\n"
-          "          interval (99 %, bootstrap) of their ratio, and whether it is within noise\n", stdout);
+    fputs(
+        "  pair    A B frames\n"
+        "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", in turns A B A B of three runs.\n"
+        "          Tells medians, the interval (99 %, bootstrap) of their ratio, and whether it is within noise\n",
+        stdout);
 }
 
 static int take(void *user, settings *s, const char *name, const char *value)
@@ -36,8 +38,8 @@ static void print_side(const pair *p, int side, const hbil_plan *plan, const tim
 
     config_text(&plan->config, ' ', text);
     printf("%c  %s\n   %s\n", "AB"[side], p->text[side], *text ? text : "defaults");
-    printf("   %.3f ms [%.3f, %.3f]; per pixel %.1f fetches, %.1f bytes read, %.1f written; %d registers\n", t->median, t->range.low,
-           t->range.high, cost->fetches, cost->bytes_read, cost->bytes_written, cost->registers);
+    printf("   %.3f ms [%.3f, %.3f]; per pixel %.1f fetches, %.1f bytes read, %.1f written; %d registers\n", t->median,
+           t->range.low, t->range.high, cost->fetches, cost->bytes_read, cost->bytes_written, cost->registers);
 }
 
 static void print_errors(const errors a[OUTS], const errors b[OUTS])
@@ -47,8 +49,8 @@ static void print_errors(const errors a[OUTS], const errors b[OUTS])
     printf("%-8s %9s %9s %9s %9s %9s %9s\n", "rmse", "model A", "B", "field A", "B", "sampl. A", "B");
     for (k = 0; k < OUTS; k++)
         if (a[k].present || b[k].present) {
-            const double values[] = {a[k].rmse_model, b[k].rmse_model, a[k].rmse_field, b[k].rmse_field, a[k].rmse_sampling,
-                                     b[k].rmse_sampling};
+            const double values[] = {a[k].rmse_model, b[k].rmse_model,    a[k].rmse_field,
+                                     b[k].rmse_field, a[k].rmse_sampling, b[k].rmse_sampling};
             size_t       i;
 
             printf("%-8s", out_names[k]);
@@ -83,7 +85,8 @@ static void print_times(const pair *p, const duel *d, const lit sides[2], const 
         print_side(p, side, &sides[side].plan, &t, &cost[side]);
     }
     duel_words(&ratio, words, sizeof words);
-    printf("time of B against A: %s; %d turns of %d runs each%s\n", words, d->turns, DUEL_BLOCK, d->stable ? "" : "; the warm-up found no rest");
+    printf("time of B against A: %s; %d turns of %d runs each%s\n", words, d->turns, DUEL_BLOCK,
+           d->stable ? "" : "; the warm-up found no rest");
 }
 
 static int run_subject(pair *p, const subject *sub)
@@ -104,7 +107,8 @@ static int run_subject(pair *p, const subject *sub)
     code = truth_make(&p->s, sub, far, &t);
     if (code != TRADE_DONE) return code;
     for (side = 0; code == TRADE_DONE && side < 2; side++) {
-        if (!lit_open(&sides[side], p->device, &p->s, &config[side], sub, p->s.error, sizeof p->s.error)) code = TRADE_MISFIT;
+        if (!lit_open(&sides[side], p->device, &p->s, &config[side], sub, p->s.error, sizeof p->s.error))
+            code = TRADE_MISFIT;
         else opened++;
         if (code == TRADE_DONE) code = judge(p, &sides[side], &t, &config[side], out[side]);
         if (code == TRADE_DONE) code = measure_cost(&p->s, &sides[side].plan, &cost[side]);

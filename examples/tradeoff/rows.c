@@ -15,7 +15,8 @@
 #define KEY_MAX  512
 #define ROW_MAX  4096
 
-enum { VERSION, HASH, CONFIG_TEXT, PRESET, DEVICE, DRIVER, BACKEND, FRAME, WIDTH, HEIGHT, OUTPUT }; /* columns of the key */
+/* Columns of the key. */
+enum { VERSION, HASH, CONFIG_TEXT, PRESET, DEVICE, DRIVER, BACKEND, FRAME, WIDTH, HEIGHT, OUTPUT };
 
 static int compare_keys(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
 
@@ -50,8 +51,9 @@ static char *key_of_cells(char *const c[ROWS_COLUMNS])
 {
     char *key = malloc(KEY_MAX);
 
-    if (key) snprintf(key, KEY_MAX, "%s|%s|%s|%s|%s|%sx%s|%s", c[DEVICE], c[DRIVER], c[VERSION], c[HASH], c[FRAME], c[WIDTH],
-                      c[HEIGHT], c[OUTPUT]);
+    if (key)
+        snprintf(key, KEY_MAX, "%s|%s|%s|%s|%s|%sx%s|%s", c[DEVICE], c[DRIVER], c[VERSION], c[HASH], c[FRAME], c[WIDTH],
+                 c[HEIGHT], c[OUTPUT]);
     return key;
 }
 
@@ -95,8 +97,8 @@ static int read_rows(rows *r, const char *path, char *text, char *error, size_t 
         end = strchr(line, '\n');
         *end = 0;
         if (split(line, cells) != ROWS_COLUMNS)
-            return frame_error(error, error_size, "%s: line %d has not %d cells. Remove it, or choose another --out", path, number,
-                               ROWS_COLUMNS);
+            return frame_error(error, error_size, "%s: line %d has not %d cells. Remove it, or choose another --out",
+                               path, number, ROWS_COLUMNS);
         if (r->count == room) {
             char **more = realloc(r->keys, (size_t)(room = room ? 2 * room : 256) * sizeof *more);
 
@@ -136,7 +138,8 @@ static int mend(rows *r, const char *path, char *text, size_t size, char *error,
         return frame_error(error, error_size, "%s: is no results file. Choose another --out", path);
     r->repaired = (int)(size - whole);
     text[whole] = 0;
-    if ((whole < size && ftruncate(r->file, (off_t)whole) != 0) || (whole == 0 && !write_all(r->file, ROWS_HEADER "\n", header)))
+    if ((whole < size && ftruncate(r->file, (off_t)whole) != 0)
+        || (whole == 0 && !write_all(r->file, ROWS_HEADER "\n", header)))
         return frame_error(error, error_size, "%s: %s. Make room, or choose another --out", path, strerror(errno));
     return whole == 0 || read_rows(r, path, text, error, error_size);
 }
@@ -155,8 +158,10 @@ int rows_open(rows *r, const char *path, char *error, size_t error_size)
     if (r->file < 0) return frame_error(error, error_size, "%s: %s. Choose another --out", path, strerror(errno));
     text = fcntl(r->file, F_SETLK, &lock) == 0 ? read_file(r->file, &size) : NULL;
     ok = text ? mend(r, path, text, size, error, error_size)
-              : frame_error(error, error_size, "%s: cannot be read, or another sweep writes it (%s). Wait for that, or choose another "
-                            "--out", path, strerror(errno));
+              : frame_error(error, error_size,
+                            "%s: cannot be read, or another sweep writes it (%s). Wait for that, or choose another "
+                            "--out",
+                            path, strerror(errno));
     free(text);
     if (!ok) rows_close(r);
     return ok;
@@ -181,7 +186,8 @@ int rows_has(const rows *r, const char *key)
 /* Appends a number, or nothing where it is not known, and a comma. */
 static size_t put_number(char *text, size_t used, size_t size, double value)
 {
-    const int wrote = isfinite(value) ? snprintf(text + used, size - used, "%.6g,", value) : snprintf(text + used, size - used, ",");
+    const int wrote =
+        isfinite(value) ? snprintf(text + used, size - used, "%.6g,", value) : snprintf(text + used, size - used, ",");
 
     return used + (size_t)wrote;
 }
@@ -191,17 +197,18 @@ static size_t make_row(char *text, size_t size, const char *left, int output, co
 {
     const errors *e = &m->out[output];
     const times  *t = &m->time;
-    const double  head[] = {t->min, t->median, t->max, t->runs, m->cost.fetches, m->cost.bytes_read, m->cost.bytes_written,
-                            m->cost.registers, e->rmse_sampling, e->rmse_estimator, e->rmse_model, e->bias_model, e->p95_model,
-                            e->rmse_field, e->bias_field, e->flicker};
+    const double head[] = {
+        t->min, t->median, t->max, t->runs, m->cost.fetches, m->cost.bytes_read, m->cost.bytes_written, m->cost.registers,
+        e->rmse_sampling, e->rmse_estimator, e->rmse_model, e->bias_model, e->p95_model, e->rmse_field, e->bias_field,
+        e->flicker};
     size_t        used = (size_t)snprintf(text, size, "%s,%s,", left, out_names[output]), i;
 
     for (i = 0; i < sizeof head / sizeof *head; i++) used = put_number(text, used, size, head[i]);
     return used + (size_t)snprintf(text + used, size - used, "%d\n", t->noisy);
 }
 
-int rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame, int width,
-             int height, const measured *m, unsigned wanted, char *error, size_t error_size)
+int rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame,
+             int width, int height, const measured *m, unsigned wanted, char *error, size_t error_size)
 {
     char   device[128], driver[128], version[32], words[TEXT_MAX], left[ROW_MAX - 1024], text[OUTS * ROW_MAX];
     size_t used = 0;
@@ -211,8 +218,9 @@ int rows_add(rows *r, const runner_info *about, const hbil_config *config, const
     clean(driver, sizeof driver, about->driver);
     version_text(version);
     config_text(config, ' ', words);
-    snprintf(left, sizeof left, "%s,%016llx,%s,%s,%s,%s,%s,%s,%d,%d", version, (unsigned long long)hbil_config_hash(config), words,
-             preset, device, driver, about->backend, frame, width, height);
+    snprintf(left, sizeof left, "%s,%016llx,%s,%s,%s,%s,%s,%s,%d,%d", version,
+             (unsigned long long)hbil_config_hash(config), words, preset, device, driver, about->backend, frame, width,
+             height);
     for (k = 0; k < OUTS; k++)
         if (m->out[k].present && (wanted & 1u << k)) used += make_row(text + used, ROW_MAX, left, k, m);
     return write_all(r->file, text, used)

@@ -4,9 +4,10 @@
 
 #include "measure.h"
 
-#define ROWS_HEADER "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max,runs," \
-                    "fetches,bytes_read,bytes_written,registers,rmse_sampling,rmse_estimator,rmse_model,bias_model,p95_model," \
-                    "rmse_hf,bias_hf,flicker,noise"
+#define ROWS_HEADER                                                                                                    \
+    "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max,runs,"  \
+    "fetches,bytes_read,bytes_written,registers,rmse_sampling,rmse_estimator,rmse_model,bias_model,p95_model,"         \
+    "rmse_hf,bias_hf,flicker,noise"
 #define ROWS_COLUMNS 28
 
 typedef struct rows {
@@ -24,7 +25,7 @@ void rows_key(char *out, size_t size, const runner_info *about, const hbil_confi
 /* Was it there when the file was opened? */
 int  rows_has(const rows *r, const char *key);
 /* Appends a row for each output that is present and that `wanted` holds, in one write. 1, or 0: error[] says why. */
-int  rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame, int width,
-              int height, const measured *m, unsigned wanted, char *error, size_t error_size);
+int rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame,
+             int width, int height, const measured *m, unsigned wanted, char *error, size_t error_size);
 
 #endif

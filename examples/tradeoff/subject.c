@@ -11,7 +11,8 @@
 
 static int frame_path(char out[2048], const char *folder, const char *kind, int number)
 {
-    return snprintf(out, 2048, "%s/%s-%03d.%s", folder, kind, number, strcmp(kind, "camera") == 0 ? "json" : "exr") < 2048;
+    return snprintf(out, 2048, "%s/%s-%03d.%s", folder, kind, number, strcmp(kind, "camera") == 0 ? "json" : "exr")
+           < 2048;
 }
 
 static int has_frame(const char *folder, int number)
@@ -34,7 +35,8 @@ static int add_folder(subject_list *list, const char *folder, const char *name)
 
     while (number < NUMBERS && !has_frame(folder, number)) number++;
     if (number == NUMBERS) return 0;
-    if (list->count == SUBJECTS_MAX || strlen(folder) >= sizeof item->folder || strlen(name) >= sizeof item->name) return -1;
+    if (list->count == SUBJECTS_MAX || strlen(folder) >= sizeof item->folder || strlen(name) >= sizeof item->name)
+        return -1;
     strcpy(item->folder, folder);
     strcpy(item->name, name);
     item->first = number;
@@ -67,10 +69,11 @@ static int find_frames(settings *s, subject_list *out)
             added = add_folder(out, path, entry->d_name);
     if (folder) closedir(folder);
     if (added < 0)
-        return frame_error(s->error, sizeof s->error, "--frames %s: more than %d folders, or a name that is too long", s->frames,
-                           SUBJECTS_MAX);
+        return frame_error(s->error, sizeof s->error, "--frames %s: more than %d folders, or a name that is too long",
+                           s->frames, SUBJECTS_MAX);
     if (out->count == 0)
-        return frame_error(s->error, sizeof s->error, "--frames %s: neither it nor a folder in it holds frame-NNN.exr", s->frames);
+        return frame_error(s->error, sizeof s->error, "--frames %s: neither it nor a folder in it holds frame-NNN.exr",
+                           s->frames);
     return 1;
 }
 
@@ -85,8 +88,10 @@ static int find_scenes(settings *s, subject_list *out)
         snprintf(name, sizeof name, "%.*s", length, p);
         for (i = 0; capture_scene_name(i) && strcmp(capture_scene_name(i), name) != 0; i++) { }
         if (!capture_scene_name(i))
-            return frame_error(s->error, sizeof s->error, "--scene %s: no such scene; hbil-tradeoff --help lists them", name);
-        if (out->count == SUBJECTS_MAX) return frame_error(s->error, sizeof s->error, "more than %d frames", SUBJECTS_MAX);
+            return frame_error(s->error, sizeof s->error, "--scene %s: no such scene; hbil-tradeoff --help lists them",
+                               name);
+        if (out->count == SUBJECTS_MAX)
+            return frame_error(s->error, sizeof s->error, "more than %d frames", SUBJECTS_MAX);
         memset(&out->items[out->count], 0, sizeof *out->items);
         snprintf(out->items[out->count].name, sizeof out->items->name, "scene:%s", name);
         out->items[out->count++].count = 1;
@@ -139,8 +144,9 @@ int subject_load(settings *s, const subject_name *name, subject *out)
     if (name->folder[0]) code = load_frames(s, name, out);
     else {
         tracing = s;
-        if (capture_scene(&out->frames[0], strchr(name->name, ':') + 1, s->width, s->height, s->rays, show_tracing, s->error,
-                          sizeof s->error)) out->count = 1;
+        if (capture_scene(&out->frames[0], strchr(name->name, ':') + 1, s->width, s->height, s->rays, show_tracing,
+                          s->error, sizeof s->error))
+            out->count = 1;
         else code = TRADE_BACKEND;
         progress_end(s);
     }

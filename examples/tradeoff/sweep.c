@@ -1,4 +1,4 @@
-/* sweep.c - hbil-tradeoff sweep: a grid of configs on all frames, into a results file that a second run goes on with. */
+/* sweep.c - hbil-tradeoff sweep: a grid of configs on all frames, into a results file that a second run continues. */
 #include "commands.h"
 
 #include <stdio.h>
@@ -37,13 +37,15 @@ typedef struct task { hbil_config config; unsigned wanted; char preset[32]; } ta
 
 void sweep_help(void)
 {
-    fputs("  sweep   --out R.csv [--options TEXT|FILE] [--preset A,B] [--budget N] [--seed N] frames\n"
-          "          every combination of the options' values, and the presets, on every frame. What R.csv holds already (same device,\n"
-          "          driver, version, config, frame) is not run again: stop and go on at will. Refused combinations are counted\n"
-          "  --options TEXT    \"slices=1,2,4 steps=2..16*2 exponent=1..3+.5\": lists; ranges by factor, by step, or by 1. preset=A,B\n"
-          "                    tells where configs begin. A file of that name is read instead; # starts a comment\n"
-          "  --preset A,B      presets as points of their own, next to the options; all: every preset\n"
-          "  --budget N        N combinations at random instead of all; --seed N chooses others, default 1\n", stdout);
+    fputs(
+        "  sweep   --out R.csv [--options TEXT|FILE] [--preset A,B] [--budget N] [--seed N] frames\n"
+        "          every combination of the options' values, and the presets, on every frame. What R.csv holds already (same\n"
+        "          device, driver, version, config, frame) is not run again: stop and go on at will. Refused ones are counted\n"
+        "  --options TEXT    \"slices=1,2,4 steps=2..16*2 exponent=1..3+.5\": lists; ranges by factor, by step, or by 1.\n"
+        "                    preset=A,B tells where configs begin. Or a file with such text; # starts a comment\n"
+        "  --preset A,B      presets as points of their own, next to the options; all: every preset\n"
+        "  --budget N        N combinations at random instead of all; --seed N chooses others, default 1\n",
+        stdout);
 }
 
 static int take(void *user, settings *s, const char *name, const char *value)
@@ -61,7 +63,8 @@ static int take(void *user, settings *s, const char *name, const char *value)
     }
     if (strcmp(name, "--budget") == 0)
         return read_int(value, 1, CONFIGS_MAX, &w->budget)
-            || frame_error(s->error, sizeof s->error, "--budget %s: must be a whole number in [1, %d]", value, CONFIGS_MAX);
+               || frame_error(s->error, sizeof s->error, "--budget %s: must be a whole number in [1, %d]", value,
+                              CONFIGS_MAX);
     if (strcmp(name, "--seed") == 0)
         return read_int(value, 0, 1000000000, &w->seed)
             || frame_error(s->error, sizeof s->error, "--seed %s: must be a whole number in [0, 1000000000]", value);
@@ -95,7 +98,9 @@ static int list_grid(sweep *w, uint64_t total, uint64_t count)
         w->config_count++;
     }
     free(chosen);
-    return ok || frame_error(w->s.error, sizeof w->s.error, "a combination of the options is longer than %d characters", TEXT_MAX);
+    return ok
+           || frame_error(w->s.error, sizeof w->s.error, "a combination of the options is longer than %d characters",
+                          TEXT_MAX);
 }
 
 static int list_presets(sweep *w)
@@ -104,7 +109,8 @@ static int list_presets(sweep *w)
     int         i, length;
 
     if (p && strcmp(p, "all") == 0) {
-        for (i = 0; (name = hbil_preset_name(i)) != NULL; i++) snprintf(w->configs[w->config_count++], TEXT_MAX, "%s", name);
+        for (i = 0; (name = hbil_preset_name(i)) != NULL; i++)
+            snprintf(w->configs[w->config_count++], TEXT_MAX, "%s", name);
         return 1;
     }
     for (; p && *p; p += length + (p[length] == ',')) {
@@ -112,7 +118,8 @@ static int list_presets(sweep *w)
         for (i = 0; (name = hbil_preset_name(i)) != NULL; i++)
             if ((int)strlen(name) == length && strncmp(name, p, (size_t)length) == 0) break;
         if (!name)
-            return frame_error(w->s.error, sizeof w->s.error, "--preset %.*s: no such preset; hbil-frame --help lists them", length, p);
+            return frame_error(w->s.error, sizeof w->s.error,
+                               "--preset %.*s: no such preset; hbil-frame --help lists them", length, p);
         snprintf(w->configs[w->config_count++], TEXT_MAX, "%s", name);
     }
     return 1;
@@ -122,13 +129,14 @@ static int list_presets(sweep *w)
 static int list_configs(sweep *w)
 {
     const int      gridded = w->g.count > 0 || !w->presets;
-    const uint64_t total = gridded ? grid_size(&w->g) : 0, count = w->budget && (uint64_t)w->budget < total ? (uint64_t)w->budget : total;
+    const uint64_t total = gridded ? grid_size(&w->g) : 0,
+                   count = w->budget && (uint64_t)w->budget < total ? (uint64_t)w->budget : total;
     size_t         most = 64; /* presets */
     const char    *p;
 
     if (gridded && (total == 0 || count > CONFIGS_MAX))
-        return frame_error(w->s.error, sizeof w->s.error, "--options: more than %d combinations. Use fewer values, or --budget N",
-                           CONFIGS_MAX);
+        return frame_error(w->s.error, sizeof w->s.error,
+                           "--options: more than %d combinations. Use fewer values, or --budget N", CONFIGS_MAX);
     for (p = w->presets; p && (p = strchr(p, ',')) != NULL; p++) most++;
     w->configs = malloc((size_t)(count + most) * sizeof *w->configs);
     if (!w->configs) return frame_error(w->s.error, sizeof w->s.error, "out of memory for the combinations");
@@ -176,7 +184,8 @@ static int list_tasks(sweep *w, task **out)
         }
         seen[seen_count++] = hash;
         one->wanted = missing_rows(w, &one->config);
-        snprintf(one->preset, sizeof one->preset, "%s", config_preset_of(&w->s, &one->config, 0, subject_judged(&w->sub)));
+        snprintf(one->preset, sizeof one->preset, "%s",
+                 config_preset_of(&w->s, &one->config, 0, subject_judged(&w->sub)));
         if (one->wanted) count++;
         else w->kept++;
     }
@@ -211,8 +220,10 @@ static int run_task(sweep *w, const task *one)
         if (code == TRADE_DONE) w->family = hash;
     }
     if (code == TRADE_DONE) code = measure_all(&w->s, w->device, &w->sub, &w->t, w->converged, &one->config, &m);
-    if (code == TRADE_DONE && !rows_add(&w->r, runner_about(w->device), &one->config, one->preset, w->sub.name, cap->width,
-                                        cap->height, &m, one->wanted, w->s.error, sizeof w->s.error)) code = TRADE_FILES;
+    if (code == TRADE_DONE
+        && !rows_add(&w->r, runner_about(w->device), &one->config, one->preset, w->sub.name, cap->width, cap->height,
+                     &m, one->wanted, w->s.error, sizeof w->s.error))
+        code = TRADE_FILES;
     return code;
 }
 
@@ -240,7 +251,8 @@ static int run_tasks(sweep *w, const subject_list *list, int index)
         w->truth_made = code == TRADE_DONE;
     }
     for (i = 0; code == TRADE_DONE && i < count; i++) {
-        snprintf(what, sizeof what, "%s (%d of %d), config %d of %d", w->sub.name, index + 1, list->count, i + 1, count);
+        snprintf(what, sizeof what, "%s (%d of %d), config %d of %d", w->sub.name, index + 1, list->count, i + 1,
+                 count);
         progress_show(&w->s, (index + (double)i / count) / list->count, what);
         code = run_task(w, &tasks[i]);
         w->ran += code == TRADE_DONE;
@@ -272,7 +284,8 @@ static int run(sweep *w)
     code = subject_find(&w->s, &list);
     if (code != TRADE_DONE) return code;
     if (!rows_open(&w->r, w->out, w->s.error, sizeof w->s.error)) return TRADE_FILES;
-    if (w->r.repaired) fprintf(stderr, "hbil-tradeoff: %s: a torn last line of %d bytes was cut off\n", w->out, w->r.repaired);
+    if (w->r.repaired)
+        fprintf(stderr, "hbil-tradeoff: %s: a torn last line of %d bytes was cut off\n", w->out, w->r.repaired);
     w->device = runner_open(w->s.backend, 0, w->s.error, sizeof w->s.error);
     for (i = 0, code = w->device ? TRADE_DONE : TRADE_BACKEND; code == TRADE_DONE && i < list.count; i++)
         code = run_subject(w, &list, i);

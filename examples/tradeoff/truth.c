@@ -12,7 +12,7 @@
 
 #define FIELD_RAYS   1024 /* a pixel: a standard error of at most .016 for ao */
 #define FIELD_PIXELS 2048 /* about so many get rays */
-#define BOUNCES      6    /* frames after which recursive bounces have converged: albedo .8 leaves a quarter of a percent */
+#define BOUNCES 6 /* frames after which recursive bounces have converged: albedo .8 leaves a quarter of a percent */
 
 /* ---- cache ------------------------------------------------------------------------------------------------------- */
 
@@ -28,7 +28,8 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
 
 static uint64_t hash_image(uint64_t hash, const image *img)
 {
-    return img->data ? hash_bytes(hash, img->data, (size_t)img->width * (size_t)img->height * (size_t)img->channels * sizeof(float))
+    return img->data ? hash_bytes(hash, img->data,
+                                  (size_t)img->width * (size_t)img->height * (size_t)img->channels * sizeof(float))
                      : hash;
 }
 
@@ -115,7 +116,7 @@ static bf_grid field_grid(const capture *cap)
     return bf_grid_of(cap->width, cap->height, stride / 2, stride);
 }
 
-/* Puts the pixels of the grid into the images of a frame; those between have NaN, so that the cache tells them apart. */
+/* Puts the pixels of the grid into the images of a frame; those between have NaN, which the cache keeps. */
 static int spread_field(const bf_pixel *rays, bf_grid grid, const capture *cap, image out[OUTS])
 {
     int k, i, c;
@@ -128,7 +129,8 @@ static int spread_field(const bf_pixel *rays, bf_grid grid, const capture *cap, 
         for (n = 0; n < count; n++) out[k].data[n] = NAN;
     }
     for (i = 0; i < grid.columns * grid.rows; i++) {
-        const int at = (grid.first + i / grid.columns * grid.stride) * cap->width + grid.first + i % grid.columns * grid.stride;
+        const int at =
+            (grid.first + i / grid.columns * grid.stride) * cap->width + grid.first + i % grid.columns * grid.stride;
 
         if (rays[i].sky > 0.0) continue;
         out[OUT_AO].data[at] = (float)rays[i].ao;
@@ -156,7 +158,9 @@ static int trace_field(settings *s, const capture *cap, image out[OUTS])
     scene.radiance = cap->direct.data;
     scene.sky = sky_radiance;
     scene.sky_data = &v;
-    if (!s->quiet) fprintf(stderr, "hbil-tradeoff: tracing the height field, %d pixels of %d rays\n", grid.columns * grid.rows, FIELD_RAYS);
+    if (!s->quiet)
+        fprintf(stderr, "hbil-tradeoff: tracing the height field, %d pixels of %d rays\n", grid.columns * grid.rows,
+                FIELD_RAYS);
     ok = ok && bf_run(&scene, grid, FIELD_RAYS, rays) && spread_field(rays, grid, cap, out);
     free(rays);
     return ok || frame_error(s->error, sizeof s->error, "out of memory for the height field's rays");
@@ -191,7 +195,8 @@ static void apply_f0(const image *f0, image *light)
     int          c;
 
     for (i = 0; f0->data && light->data && i < count; i++)
-        for (c = 0; c < 3; c++) light->data[3 * i + (size_t)c] *= 1.0f - f0->data[f0->channels == 3 ? 3 * i + (size_t)c : i];
+        for (c = 0; c < 3; c++)
+            light->data[3 * i + (size_t)c] *= 1.0f - f0->data[f0->channels == 3 ? 3 * i + (size_t)c : i];
 }
 
 static int make_masks(const capture *cap, truth *t)
@@ -234,7 +239,8 @@ int truth_make(settings *s, const subject *sub, int far, truth *t)
         ok = copy_image(&cap->hf_ao, &t->field[OUT_AO]) && copy_image(&cap->hf_near, &t->field[OUT_NEAR]);
     }
     ok = ok && copy_image(&cap->truth_ao, &t->model[OUT_AO]) && copy_image(&cap->truth_near, &t->model[OUT_NEAR])
-      && copy_image(&cap->truth_far, &t->model[OUT_FAR]) && copy_image(&cap->truth_bounce, &t->bounce) && make_masks(cap, t);
+         && copy_image(&cap->truth_far, &t->model[OUT_FAR]) && copy_image(&cap->truth_bounce, &t->bounce)
+         && make_masks(cap, t);
     for (k = OUT_NEAR; ok && k < OUTS; k++) {
         apply_f0(&cap->f0, &t->model[k]);
         apply_f0(&cap->f0, &t->field[k]);
@@ -282,8 +288,9 @@ const image *truth_field(const truth *t, const hbil_config *config, int out)
 
 void truth_family(const settings *s, const hbil_config *config, hbil_config *out)
 {
-    const int by_count = config->estimator == HBIL_ESTIMATOR_HBAO || config->estimator == HBIL_ESTIMATOR_HBAO_PLUS
-                      || config->occluder == HBIL_OCCLUDER_HEURISTIC; /* means over samples: where these are is the estimator */
+    const int by_count =
+        config->estimator == HBIL_ESTIMATOR_HBAO || config->estimator == HBIL_ESTIMATOR_HBAO_PLUS
+        || config->occluder == HBIL_OCCLUDER_HEURISTIC; /* means over samples: where these are is the estimator */
     hbil_config c = *config;
 
     c.outputs &= HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_FAR;
@@ -311,7 +318,8 @@ static uint64_t hash_texts(uint64_t hash, const hbil_plan *plan)
     uint32_t    p;
 
     for (p = 0; p < plan->pass_count; p++)
-        if (hbil_emit_glsl(plan, (int32_t)p, text, sizeof text, NULL) == HBIL_OK) hash = hash_bytes(hash, text, strlen(text));
+        if (hbil_emit_glsl(plan, (int32_t)p, text, sizeof text, NULL) == HBIL_OK)
+            hash = hash_bytes(hash, text, strlen(text));
     return hash;
 }
 
@@ -330,14 +338,16 @@ static void add_images(image sum[OUTS], const image more[OUTS], float factor)
 /* The mean over frames of noise. With recursive bounces those before them fill the history. */
 static int average(settings *s, lit *l, image out[OUTS])
 {
-    const int frames = l->plan.config.march == HBIL_MARCH_SWEEP ? 1 : s->converged.frames, warm = l->history ? BOUNCES : 0;
+    const int frames = l->plan.config.march == HBIL_MARCH_SWEEP ? 1 : s->converged.frames,
+              warm = l->history ? BOUNCES : 0;
     image     one[OUTS];
     int       f, k, ok = 1;
 
     l->frame.reset = 1;
     l->frame.index = UINT32_MAX; /* lit_next counts from 0 on */
     for (f = 0; ok && f < warm + frames; f++) {
-        if (!s->quiet) fprintf(stderr, "hbil-tradeoff: the converged estimator, frame %d of %d\n", f + 1, warm + frames);
+        if (!s->quiet)
+            fprintf(stderr, "hbil-tradeoff: the converged estimator, frame %d of %d\n", f + 1, warm + frames);
         ok = lit_next(l, one, s->error, sizeof s->error);
         for (k = 0; ok && k < OUTS; k++)
             if (one[k].data && !out[k].data) ok = image_make(&out[k], one[k].width, one[k].height, one[k].channels);

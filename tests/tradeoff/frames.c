@@ -1,4 +1,5 @@
-/* frames.c - writes captures for run.sh: DIR/metal, half of its floor a mirror (f0), and DIR/move, three frames of a moving camera. */
+/* frames.c - writes captures for run.sh: DIR/metal, half of its floor a mirror (f0), and DIR/move, three frames of a
+ * moving camera. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,17 +21,22 @@ static int put_matrix(char *text, size_t size, const char *name, const float m[1
 
 static int put_capture(const capture *cap, const char *folder, int number)
 {
-    const image_layer layers[] = {
-        {"depth", "Z", cap->depth, 0},           {"normal", "XYZ", cap->normal, 0},       {"albedo", "RGB", cap->albedo, 0},
-        {"direct", "RGB", cap->direct, 0},       {"truth_ao", "Y", cap->truth_ao, 0},     {"f0", "Y", cap->f0, 0},
-        {"truth_near", "RGB", cap->truth_near, 0}, {"truth_far", "RGB", cap->truth_far, 0}};
+    const image_layer layers[] = {{"depth", "Z", cap->depth, 0},
+                                  {"normal", "XYZ", cap->normal, 0},
+                                  {"albedo", "RGB", cap->albedo, 0},
+                                  {"direct", "RGB", cap->direct, 0},
+                                  {"truth_ao", "Y", cap->truth_ao, 0},
+                                  {"f0", "Y", cap->f0, 0},
+                                  {"truth_near", "RGB", cap->truth_near, 0},
+                                  {"truth_far", "RGB", cap->truth_far, 0}};
     char   path[512], text[2048], error[256];
     size_t used;
 
     snprintf(path, sizeof path, "%s/frame-%03d.exr", folder, number);
-    if (!exr_write(path, layers, sizeof layers / sizeof *layers, error, sizeof error)) return fprintf(stderr, "%s\n", error), 0;
-    used = (size_t)snprintf(text, sizeof text, "{\"width\": %d, \"height\": %d, \"near\": %.9g, \"far\": %.9g", cap->width,
-                            cap->height, (double)cap->near_z, (double)cap->far_z);
+    if (!exr_write(path, layers, sizeof layers / sizeof *layers, error, sizeof error))
+        return fprintf(stderr, "%s\n", error), 0;
+    used = (size_t)snprintf(text, sizeof text, "{\"width\": %d, \"height\": %d, \"near\": %.9g, \"far\": %.9g",
+                            cap->width, cap->height, (double)cap->near_z, (double)cap->far_z);
     used += (size_t)put_matrix(text + used, sizeof text - used, "projection_rows", cap->projection, -1.0);
     used += (size_t)put_matrix(text + used, sizeof text - used, "view_rows", cap->view, 1.0);
     snprintf(text + used, sizeof text - used, "}\n");

@@ -1,4 +1,5 @@
-/* test_sweep.c - what hbil-tradeoff's runs rest on: grids, intervals, warm-up, the results file, truths and their families. */
+/* test_sweep.c - what hbil-tradeoff's runs rest on: grids, intervals, warm-up, the results file, truths and their
+ * families. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,8 +25,9 @@ static char folder[64];
 static void ranges_and_lists(void **state)
 {
     static grid g;
-    static const char *const texts[] = {"slices=1 steps=2", "slices=1 steps=4", "slices=1 steps=8", "slices=1 steps=16",
-                                        "slices=4 steps=2", "slices=4 steps=4", "slices=4 steps=8", "slices=4 steps=16"};
+    static const char *const texts[] = {"slices=1 steps=2",  "slices=1 steps=4", "slices=1 steps=8",
+                                        "slices=1 steps=16", "slices=4 steps=2", "slices=4 steps=4",
+                                        "slices=4 steps=8",  "slices=4 steps=16"};
     char     text[256];
     uint64_t i;
 
@@ -51,8 +53,9 @@ static void ranges_and_lists(void **state)
 
 static void faults_of_grids(void **state)
 {
-    static const char *const bad[] = {"slices", "slice=1", "slices=", "slices=1,,2", "steps=4..2", "steps=1..8*1", "steps=1..8+0",
-                                      "steps=0..8*2", "steps=a..b", "steps=1..8x", "steps=1 steps=2", "steps=1..1000"};
+    static const char *const bad[] = {"slices",     "slice=1",      "slices=",         "slices=1,,2",
+                                      "steps=4..2", "steps=1..8*1", "steps=1..8+0",    "steps=0..8*2",
+                                      "steps=a..b", "steps=1..8x",  "steps=1 steps=2", "steps=1..1000"};
     static grid g;
     size_t      i;
 
@@ -64,8 +67,9 @@ static void faults_of_grids(void **state)
     }
     grid_parse(&g, "slice=1", error, sizeof error);
     assert_non_null(strstr(error, "slices")); /* names the nearest */
-    assert_true(grid_parse(&g, "slices=1..64 steps=1..64 history=2..63 filter_passes=1..3 sample=1..31 width=1..64 height=1..64",
-                           error, sizeof error));
+    assert_true(grid_parse(
+        &g, "slices=1..64 steps=1..64 history=2..63 filter_passes=1..3 sample=1..31 width=1..64 height=1..64", error,
+        sizeof error));
     assert_int_equal(grid_size(&g), 0);
 }
 
@@ -111,13 +115,15 @@ static void bootstrap_of_known_samples(void **state)
     assert_true(timing_median(one_to_nine, 2) == 5.0); /* 9 and 1 */
     r = timing_bootstrap(flat, 4, 0.95);
     assert_true(r.low == 3.0 && r.high == 3.0);
-    /* the medians of nine draws are binomial: below 2 and above 8 with a chance of .0058 each, below 3 and above 7 with .057 */
+    /* the medians of nine draws are binomial: below 2 and above 8 with a chance of .0058 each, below 3 and above 7 with
+     * .057 */
     r = timing_bootstrap(one_to_nine, 9, 0.95);
     assert_true(r.low >= 2.0 && r.low <= 3.0 && r.high >= 7.0 && r.high <= 8.0);
     r = timing_bootstrap(one_to_nine, 9, 0.5);
     assert_true(r.low >= 3.0 && r.low <= 5.0 && r.high >= 5.0 && r.high <= 7.0);
     for (i = 0; i < 200; i++) { /* how often does it hold the true median? */
-        for (k = 0; k < 15; k++) sample[k] = sqrt(-2.0 * log(uniform(&random))) * cos(6.283185307179586 * uniform(&random));
+        for (k = 0; k < 15; k++)
+            sample[k] = sqrt(-2.0 * log(uniform(&random))) * cos(6.283185307179586 * uniform(&random));
         r = timing_bootstrap(sample, 15, 0.95);
         inside += r.low <= 0.0 && r.high >= 0.0;
     }
@@ -145,6 +151,9 @@ static void differences_within_noise(void **state)
     assert_true(fabs(r.median - 1.2) < 0.02 && r.range.low > 1.15 && r.range.high < 1.25);
     r = timing_compare(c, a, 25);
     assert_true(!r.within_noise && r.median < 1.0);
+    assert_false(timing_compare(a, c, 3).within_noise);
+    for (i = 0; i < 3; i++) b[i] = a[i] * (1.05 + 0.1 * i); /* three on one side by chance: one of four times */
+    assert_true(timing_compare(a, b, 3).within_noise);
 }
 
 /* Runs whose time falls by half until `rest` of them were made. */
@@ -293,7 +302,8 @@ static void families_of_estimators(void **state)
     (void)state;
     settings_default(&s);
     plain = family_of(&s, &cap, "");
-    assert_true(plain == family_of(&s, &cap, "slices=1 steps=32 exponent=1 mips=spread interleave=yes filter=5x5 downscale=2"));
+    assert_true(
+        plain == family_of(&s, &cap, "slices=1 steps=32 exponent=1 mips=spread interleave=yes filter=5x5 downscale=2"));
     assert_true(plain == family_of(&s, &cap, "temporal=yes noise=ign storage=half gather=packed"));
     assert_true(plain != family_of(&s, &cap, "estimator=bitmask"));
     assert_true(plain != family_of(&s, &cap, "reach=2"));
@@ -301,7 +311,8 @@ static void families_of_estimators(void **state)
     assert_true(plain != family_of(&s, &cap, "seed_compat=slice_mean"));
     assert_true(plain != family_of(&s, &cap, "march=sweep"));
     assert_true(family_of(&s, &cap, "fast") == family_of(&s, &cap, "quality"));
-    assert_true(family_of(&s, &cap, "estimator=hbao reach=1 exponent=1") != family_of(&s, &cap, "estimator=hbao reach=1 exponent=2"));
+    assert_true(family_of(&s, &cap, "estimator=hbao reach=1 exponent=1")
+                != family_of(&s, &cap, "estimator=hbao reach=1 exponent=2"));
 }
 
 static void configs_from_text(void **state)
