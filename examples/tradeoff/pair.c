@@ -17,8 +17,8 @@ void pair_help(void)
 {
     fputs(
         "  pair    A B frames\n"
-        "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", in turns A B A B of three runs.\n"
-        "          Tells medians, the interval (99 %, bootstrap) of their ratio, and whether it is within noise\n",
+        "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", in turns A B A B of three\n"
+        "          runs. Tells medians, the interval (99 %, bootstrap) of their ratio, whether it is within noise\n",
         stdout);
 }
 

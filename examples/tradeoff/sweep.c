@@ -39,10 +39,11 @@ void sweep_help(void)
 {
     fputs(
         "  sweep   --out R.csv [--options TEXT|FILE] [--preset A,B] [--budget N] [--seed N] frames\n"
-        "          every combination of the options' values, and the presets, on every frame. What R.csv holds already (same\n"
-        "          device, driver, version, config, frame) is not run again: stop and go on at will. Refused ones are counted\n"
-        "  --options TEXT    \"slices=1,2,4 steps=2..16*2 exponent=1..3+.5\": lists; ranges by factor, by step, or by 1.\n"
-        "                    preset=A,B tells where configs begin. Or a file with such text; # starts a comment\n"
+        "          every combination of the options' values, and the presets, on every frame. What R.csv holds\n"
+        "          already (same device, driver, version, config, frame) is not run again: stop and go on at will.\n"
+        "          Refused combinations are counted\n"
+        "  --options TEXT    \"slices=1,2,4 steps=2..16*2 exponent=1..3+.5\": lists; ranges by factor, by step, by 1.\n"
+        "                    preset=A,B tells where configs begin. Or a file of such text; # starts a comment\n"
         "  --preset A,B      presets as points of their own, next to the options; all: every preset\n"
         "  --budget N        N combinations at random instead of all; --seed N chooses others, default 1\n",
         stdout);
