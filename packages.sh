@@ -21,6 +21,8 @@ build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
 test='clang libcmocka-dev vulkan-validationlayers locales libglfw3-dev'
 # hbil-viewer and hbil-ogre, and a display for their tests
 test="$test libassimp-dev libogre-1.12-dev xvfb xauth"
+# pictures of what a sweep has measured; fonts for them
+test="$test gnuplot-nox fonts-dejavu-core"
 
 case "${1-}" in
     build) wanted=$build ;;

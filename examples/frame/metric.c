@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../tradeoff/metrics.h"
+
 int metric_counts(const capture *cap, size_t pixel)
 {
     const float *albedo = cap->albedo.data + 3 * pixel;
@@ -40,29 +42,19 @@ static size_t measure_error(const image *result, const image *truth, const image
                             double *bias)
 {
     const size_t count = (size_t)result->width * (size_t)result->height, channels = (size_t)result->channels;
-    double       sum = 0.0, squares = 0.0;
-    size_t       i, c, compared = 0;
+    metric_sums  sums;
+    size_t       i;
 
     if (!truth || !truth->data || truth->width != result->width || truth->height != result->height
         || truth->channels != result->channels || image_slices(result) != 1) return 0;
-    for (i = 0; i < count; i++) {
-        double difference = 0.0, square = 0.0;
-
-        if (where ? !(where->data[i] > 0.5f) : !metric_counts(cap, i)) continue;
-        for (c = 0; c < channels; c++) {
-            double d = (double)result->data[i * channels + c] - (double)truth->data[i * channels + c];
-            difference += d;
-            square += d * d;
-        }
-        if (!isfinite(square)) continue;
-        sum += difference;
-        squares += square;
-        compared++;
-    }
-    if (compared == 0) return 0;
-    *bias = sum / (double)(compared * channels);
-    *rmse = sqrt(squares / (double)(compared * channels));
-    return compared;
+    memset(&sums, 0, sizeof sums);
+    for (i = 0; i < count; i++)
+        if (where ? where->data[i] > 0.5f : metric_counts(cap, i))
+            metric_add(&sums, result->data + i * channels, truth->data + i * channels, result->channels);
+    if (sums.pixels == 0) return 0;
+    *bias = metric_sums_bias(&sums);
+    *rmse = metric_sums_rmse(&sums);
+    return sums.pixels;
 }
 
 metric metric_measure(const image *result, const image *truth, const capture *cap)

@@ -1,0 +1,46 @@
+/* measure.h - a config on a frame, in numbers. */
+#ifndef HBIL_TRADEOFF_MEASURE_H
+#define HBIL_TRADEOFF_MEASURE_H
+
+#include "truth.h"
+
+/* NaN where it is not known. Of all channels: root of the mean square, mean, 95th percentile. */
+typedef struct errors {
+    int    present;                     /* the config has this output */
+    double rmse_sampling;               /* against its own converged estimator */
+    double rmse_estimator;              /* of that one against the height field */
+    double rmse_model, bias_model, p95_model; /* against the scene */
+    double rmse_field, bias_field;      /* against the height field */
+    double flicker;                     /* of a still camera; not measured where a run takes long */
+} errors;
+
+typedef struct times {
+    double   ms[TIMING_RUNS_MAX];
+    int      runs, stable;              /* stable: the warm-up came to rest */
+    double   min, median, max;
+    interval range;                     /* of the median, 95 % */
+    int      noisy;                     /* that is wider than 10 % of it, or there is no saying */
+} times;
+
+/* Per pixel of the frame, an upper bound, see shadergen/cost.h; loops of unknown length count one step. */
+typedef struct price { double fetches, bytes_read, bytes_written; int registers; } price;
+
+typedef struct measured {
+    times  time;
+    price  cost;
+    errors out[OUTS];
+} measured;
+
+/* All of it. converged: of this config, as truth_converged made it. An exit code; s->error says why. */
+int  measure_all(settings *s, runner *device, const subject *sub, const truth *t, const image converged[OUTS],
+                 const hbil_config *config, measured *m);
+/* Its parts. l: opened; images come first, times after them. */
+/* as: the config whose truths are taken; converged: NULL: no sampling and estimator error. */
+int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker,
+                   errors out[OUTS]);
+int  measure_time(settings *s, lit *l, times *t);
+int  measure_cost(settings *s, const hbil_plan *plan, price *cost);
+/* min, median, max and interval of ms[runs]. */
+void times_sum_up(times *t);
+
+#endif

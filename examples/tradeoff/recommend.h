@@ -1,0 +1,22 @@
+/* recommend.h - the best config that was measured for a budget, and what to expect of it on a frame that was not. */
+#ifndef HBIL_TRADEOFF_RECOMMEND_H
+#define HBIL_TRADEOFF_RECOMMEND_H
+
+#include "front.h"
+
+typedef struct wish { double budget_ms, max_rmse; } wish; /* 0: not asked for */
+
+/* On the front: the least error within the budget; with max_rmse the fastest within both. NULL: nothing fits. */
+const point *recommend_choose(const points *p, const wish *w);
+/* The next point of the front, faster (-1) or more accurate (1); NULL: there is none. */
+const point *recommend_neighbour(const points *p, const point *from, int direction);
+
+/* Error to be expected of `best` on a frame that is not among those of p. Without an anchor its error over the frames
+ * of p. With one, a config that was measured on that frame, too (error: anchor_error): anchor_error times the geometric
+ * mean over the frames of p of best's error over the anchor's: scenes differ more than configs. */
+double       recommend_predict(const points *p, const point *best, const point *anchor, double anchor_error);
+
+/* What `shadergen` takes: blanks of the config become commas. Caller frees; NULL: no memory. */
+char        *recommend_command(const char *config);
+
+#endif

@@ -1,0 +1,93 @@
+#!/bin/sh
+# The command line of hbil-tradeoff: exit codes, a sweep that is killed and goes on, a pair, an ablation.
+#   run.sh HBIL_TRADEOFF SHADERGEN TRADEOFF_FRAMES
+set -eu
+tool=$1 shadergen=$2 frames=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+common="--converged 4x32x1 --seconds 0.5 --cache $work/cache -q"
+frame="--scene fence --size 48x28 --rays 16 $common"
+
+fail() { echo "FAILED: $*"; exit 1; }
+# code WANTED ARGUMENTS...: runs the program, output in $work/log
+code() {
+    wanted=$1; shift
+    got=0; "$tool" "$@" >"$work/log" 2>&1 || got=$?
+    [ "$got" -eq "$wanted" ] || { cat "$work/log"; fail "exit $got instead of $wanted: $*"; }
+}
+says() { grep -q -- "$1" "$work/log" || { cat "$work/log"; fail "does not say: $1"; }; }
+
+got=0; "$tool" pair fast fast $frame --repeat 3 >"$work/log" 2>&1 || got=$?
+if [ "$got" -eq 5 ]; then cat "$work/log"; echo "skipped: no Vulkan device"; exit 77; fi
+
+# ---- usage
+code 0 --help; says 'sweep'; says 'ablate'; says 'exit:'
+code 0 --version
+for command in sweep pair ablate; do code 0 $command --help; says -- '--cache'; done
+code 2; says 'must be sweep'
+code 2 swoop
+code 2 sweep --scene fence; says '--out'
+code 2 sweep --out "$work/x.csv"; says '--scene'
+code 2 sweep --out "$work/x.csv" --scene nowhere
+code 2 sweep --out "$work/x.csv" --scene fence --options 'slice=1'; says 'slices'
+code 2 sweep --out "$work/x.csv" --scene fence --repeat 2
+code 2 sweep --out "$work/x.csv" --scene fence --backend d3d
+code 2 sweep --out "$work/x.csv" --scene fence --preset slow
+code 2 pair fast --scene fence; says 'two configs'
+code 2 ablate --scene fence --tolerance x
+code 3 sweep --out "$work/x.csv" --frames "$work"; says 'frame-NNN.exr'
+code 3 sweep --out "$work/no/x.csv" $frame
+code 1 sweep --out "$work/x.csv" $frame --options 'occluder=thick'; says '1 refused'
+code 1 pair fast 'occluder=thick' $frame; says 'bitmask'
+
+# ---- a sweep, whole; and one that is killed, torn, and goes on
+options='slices=1,4 steps=2..8*2 occluder=height_field,thick'
+code 0 sweep $frame --options "$options" --preset fast,hbao --out "$work/whole.csv"
+says '8 configs run, 0 were there, 0 equal to others, 6 refused'
+"$tool" sweep $frame --options "$options" --preset fast,hbao --out "$work/killed.csv" >"$work/log" 2>&1 &
+pid=$! tries=0
+while [ "$(cat "$work/killed.csv" 2>/dev/null | wc -l)" -lt 6 ] && [ $tries -lt 200 ]; do sleep 0.05; tries=$((tries + 1)); done
+kill -9 $pid 2>/dev/null || true
+wait $pid 2>/dev/null || true
+rows=$(wc -l <"$work/killed.csv")
+[ "$rows" -ge 6 ] && [ "$rows" -lt 16 ] || fail "killed too late or too early: $rows lines"
+printf '0.1.0,0123456789abcdef,slices=9' >>"$work/killed.csv"
+code 0 sweep $frame --options "$options" --preset fast,hbao --out "$work/killed.csv"
+says 'torn'
+# everything but times is the same
+columns() { cut -d, -f1-11,16-27 "$1" | sort; }
+columns "$work/whole.csv" >"$work/a"; columns "$work/killed.csv" >"$work/b"
+diff "$work/a" "$work/b" || fail "a sweep that went on has other rows"
+[ "$(wc -l <"$work/whole.csv")" -eq 16 ] || fail "16 lines expected: header, 7 configs of two outputs, one of one"
+grep -q ',fast,' "$work/whole.csv" || fail "the preset has no name"
+code 0 sweep $frame --options "$options" --preset fast,hbao --out "$work/killed.csv"; says '0 configs run, 8 were there'
+code 0 sweep $frame --options "$options" --budget 2 --out "$work/some.csv"
+[ "$(awk -F, 'NF != 28' "$work/whole.csv" "$work/some.csv" | wc -l)" -eq 0 ] || fail "a row has not 28 cells"
+# more slices, less noise: column 20 is the sampling error
+noise() { awk -F, -v c="outputs=ao+near slices=$1 steps=8" '$3 == c && $11 == "ao" { print $20 }' "$work/whole.csv"; }
+awk "BEGIN { exit !($(noise 4) < 0.8 * $(noise 1)) }" || fail "four slices have the noise of one"
+
+# ---- a config against itself; against 512 times the samples
+code 0 pair fast fast $frame --repeat 9 --seconds 3; says 'within noise'
+code 0 pair 'outputs=ao slices=1 steps=2' 'outputs=ao slices=16 steps=64' $frame --repeat 9 --seconds 3
+if grep -q 'within noise' "$work/log"; then cat "$work/log"; fail "512 times the samples within noise"; fi
+
+# ---- what a config can do without
+code 0 ablate 'outputs=ao march=sweep slices=2 filter=5x5' $frame --repeat 3 --tolerance 0.5
+says '(full)'; says 'filter=3x3'; says 'downscale=2'
+set=$(sed -n 's/^    shadergen --set //p' "$work/log")
+[ -n "$set" ] || { cat "$work/log"; fail "no smallest config"; }
+"$shadergen" --set "$set" --pass march >/dev/null || fail "the smallest config does not resolve"
+if [ "$set" = 'outputs=ao,march=sweep,slices=2,filter=5x5' ]; then fail "half as much error again, and nothing was dropped"; fi
+
+# ---- captures in folders: a sequence with its history; metals
+mkdir "$work/captures"
+"$frames" "$work/captures" || fail "no captures were written"
+code 0 sweep --frames "$work/captures" $common --options 'temporal=no,yes reproject=gather' --out "$work/frames.csv"
+[ "$(cut -d, -f8 "$work/frames.csv" | sort | uniq -c | tr -s ' ' | tr '\n' ';')" = ' 1 frame; 4 metal; 4 move;' ] || {
+    cat "$work/frames.csv"; fail "other frames"; }
+noise() { awk -F, -v c="$1" '$8 == "move" && $11 == "ao" && (index($3, "temporal=yes") > 0) == c { print $20 }' "$work/frames.csv"; }
+awk "BEGIN { exit !($(noise 1) < $(noise 0)) }" || fail "a history of three frames takes no noise away"
+code 0 ablate 'f0=scalar march=sweep slices=2 outputs=near' --frames "$work/captures/metal" $common --repeat 3
+awk -F'|' '/f0=none/ { found = $6 + 0 } END { exit !(found > 5) }' "$work/log" || { cat "$work/log"; fail "metals lose nothing without f0"; }
+echo "all passed"
