@@ -1,6 +1,7 @@
 /* ours.c - see ours.h */
 #include "ours.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,13 +16,14 @@ struct ours {
     char       scratch[HBIL_GLSL_MAX];
 };
 
-static int make_plan(ours *o, const char *preset, char *error, size_t error_size)
+static int make_plan(ours *o, const char *preset, const char *more, char *error, size_t error_size)
 {
-    static const char options[] = "outputs=ao target=gl depth=device temporal=no";
+    char        options[256];
     hbil_diag   items[4];
     hbil_diags  diags = {items, 4, 0};
     hbil_config config;
 
+    snprintf(options, sizeof options, "outputs=ao target=gl depth=device temporal=no %s", more);
     if (hbil_config_preset(preset, &config, &diags) == HBIL_OK
         && hbil_config_parse(&config, options, strlen(options), &diags) == HBIL_OK
         && hbil_plan_build(&config, &o->plan, &diags) == HBIL_OK) return 1;
@@ -49,12 +51,12 @@ static int make_textures(ours *o, const capture *cap, char *error, size_t error_
     return 1;
 }
 
-ours *ours_open(void *device, const char *preset, const capture *cap, char *error, size_t error_size)
+ours *ours_open(void *device, const char *preset, const char *options, const capture *cap, char *error, size_t error_size)
 {
     hbil_gl_info info;
     ours        *o = calloc(1, sizeof *o);
 
-    if (!o || !make_plan(o, preset, error, error_size) || !make_textures(o, cap, error, error_size)) {
+    if (!o || !make_plan(o, preset, options, error, error_size) || !make_textures(o, cap, error, error_size)) {
         if (!o) frame_error(error, error_size, "out of memory");
         ours_free(o);
         return NULL;

@@ -14,32 +14,30 @@
 
 const char *const peer_names[PEERS] = {"three", "n8ao"};
 const char *const convention_names[CONVENTIONS] = {"as shipped", "large", "best"};
-const int peer_rungs[PEERS][RUNGS_MAX] = {{3, 6, 9, 16, 30, 60}, {4, 8, 16, 32, 36, 64, 128}};
-const int peer_default[PEERS] = {16, 16};
-const float variant_intensities[5] = {1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
+const int peer_rungs[PEERS][RUNGS_MAX] = {{3, 6, 9, 16, 30}, {4, 8, 16, 36, 64}};
+const float powers[POWERS] = {1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
+const char *const power_names[PEERS] = {"scale", "intensity"};
 
 enum { RADII = 6 };
 
-/* three: fall-off of horizons with the step off or on, steps even or quadratic, a power on ao; n8ao: the fall-off's reach, in
- * radii / 5. */
-typedef struct point { float radius, falloff, exponent, scale; } point;
+/* three: fall-off of horizons with the step off or on, steps even or quadratic; n8ao: the fall-off's reach, in radii / 5. */
+typedef struct point { float radius, falloff, exponent; } point;
 
 int variant_grid(int peer)
 {
-    return peer == PEER_THREE ? RADII * 8 : RADII * 2;
+    return peer == PEER_THREE ? RADII * 4 : RADII * 2;
 }
 
 /* Radii as parts of `large`: 1, 1/2 ... 1/32. */
 static point grid_point(int peer, int index)
 {
-    const point large[PEERS] = {{1.0f, 0.0f, 1.0f, 1.0f}, {1.0f, 5.0f, 1.0f, 1.0f}};
+    const point large[PEERS] = {{1.0f, 0.0f, 1.0f}, {1.0f, 5.0f, 1.0f}};
     const int   k = index / RADII;
     point       p = large[peer];
 
     p.radius = ldexpf(1.0f, -(index % RADII));
     if (k & 1) p.falloff = 1.0f;
     if (k & 2) p.exponent = 2.0f;
-    if (k & 4) p.scale = 1.5f;
     return p;
 }
 
@@ -54,8 +52,8 @@ void variant_text(int peer, int convention, int index, float large, char out[160
 
     if (convention == AS_SHIPPED) snprintf(out, 160, "%s", "");
     else if (peer == PEER_THREE)
-        snprintf(out, 160, "radius=%.3g thickness=%.3g distanceFallOff=%g distanceExponent=%g scale=%g", (double)(p.radius * large),
-                 (double)large, (double)p.falloff, (double)p.exponent, (double)p.scale);
+        snprintf(out, 160, "radius=%.3g thickness=%.3g distanceFallOff=%g distanceExponent=%g", (double)(p.radius * large),
+                 (double)large, (double)p.falloff, (double)p.exponent);
     else snprintf(out, 160, "aoRadius=%.3g distanceFalloff=%g", (double)(p.radius * large), (double)p.falloff);
 }
 
@@ -91,8 +89,8 @@ static void put_settings(FILE *f, int peer, int convention, int rung, int index,
     fprintf(f, peer == PEER_THREE ? "\"samples\": %d" : "\"aoSamples\": %d", peer_rungs[peer][rung]);
     if (convention == AS_SHIPPED) return;
     if (peer == PEER_THREE)
-        fprintf(f, ", \"radius\": %.9g, \"thickness\": %.9g, \"distanceFallOff\": %.9g, \"distanceExponent\": %.9g, \"scale\": %.9g",
-                radius, (double)large, (double)p.falloff, (double)p.exponent, (double)p.scale);
+        fprintf(f, ", \"radius\": %.9g, \"thickness\": %.9g, \"distanceFallOff\": %.9g, \"distanceExponent\": %.9g",
+                radius, (double)large, (double)p.falloff, (double)p.exponent);
     else
         fprintf(f, ", \"aoRadius\": %.9g, \"distanceFalloff\": %.9g, \"intensity\": 1", radius, (double)p.falloff);
 }

@@ -13,13 +13,15 @@ extern const char *const convention_names[CONVENTIONS];
 
 #define RUNGS_MAX 8
 
-/* Sample counts by the package's own option, few to many; 0 ends them. The third or fourth is its default. */
+/* Sample counts by the package's own option, few to many; 0 ends them. The last but one is three.js's default, 16 n8ao's. */
 extern const int peer_rungs[PEERS][RUNGS_MAX];
-extern const int peer_default[PEERS];
 
-/* Settings that AS_BEST chooses from with the truth in hand; `intensity`, a power of n8ao's result, is tried without a recipe each. */
+/* Settings that AS_BEST chooses from with the truth in hand: points of a grid, and powers of the result, by the uniform power_names[]
+ * of the package (three.js takes it before it denoises, n8ao after that). */
 int   variant_grid(int peer);
-extern const float variant_intensities[5];
+#define POWERS 5
+extern const float       powers[POWERS];
+extern const char *const power_names[PEERS];
 
 /* Name of a recipe, of a convention or, AS_BEST, of a point of the grid. */
 void  variant_name(int peer, int convention, int rung, int point, char out[64]);
