@@ -9,7 +9,7 @@
 #include "../../../tests/numeric/brute_force.h"
 #include "../../frame/metric.h"
 
-#define RAYS       512  /* a pixel of our own height-field truth, where a frame brings none: standard error about .02 */
+#define RAYS 512        /* a pixel of our own height-field truth, where a frame brings none: standard error about .02 */
 #define RAY_PIXELS 2500 /* about as many */
 
 const char *const truth_names[TRUTHS] = {"scene", "height field"};
@@ -27,7 +27,7 @@ void die(int code, const char *format, ...)
     exit(code);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- errors */
+/* ---------------------------------------------------------------------------------------------------------- errors */
 
 static const image *truth_of(const capture *cap, int truth)
 {
@@ -82,10 +82,12 @@ static void make_height_field(capture *cap)
     scene.depth = cap->depth.data;
     scene.sky_depth = 1e9;
     scene.normal = cap->normal.data;
-    if (!out || !image_make(&cap->hf_ao, cap->width, cap->height, 1) || !image_make(&cap->hf_valid, cap->width, cap->height, 1)
-        || !bf_run(&scene, grid, RAYS, out)) die(EXIT_RUN, "out of memory for the height-field truth");
+    if (!out || !image_make(&cap->hf_ao, cap->width, cap->height, 1)
+        || !image_make(&cap->hf_valid, cap->width, cap->height, 1) || !bf_run(&scene, grid, RAYS, out))
+        die(EXIT_RUN, "out of memory for the height-field truth");
     for (i = 0; i < grid.columns * grid.rows; ++i) {
-        const int at = (grid.first + i / grid.columns * grid.stride) * cap->width + grid.first + i % grid.columns * grid.stride;
+        const int at = (grid.first + i / grid.columns * grid.stride) * cap->width + grid.first
+                       + i % grid.columns * grid.stride;
 
         cap->hf_ao.data[at] = (float)out[i].ao;
         cap->hf_valid.data[at] = out[i].sky == 0.0;
@@ -93,7 +95,7 @@ static void make_height_field(capture *cap)
     free(out);
 }
 
-/* --------------------------------------------------------------------------------------------------------------- rows */
+/* ------------------------------------------------------------------------------------------------------------ rows */
 
 static row *add_row(bout *b, int peer, int convention, int truth)
 {
@@ -137,7 +139,11 @@ static void run(ours *o, peer_pass *p, double *ms, image *ao)
 }
 
 /* What comes nearest to each truth so far. */
-typedef struct choice { double rmse; int point; float power; } choice;
+typedef struct choice {
+    double rmse;
+    int    point;
+    float  power;
+} choice;
 
 static void try_powers(const bout *b, ours *o, peer_pass *p, int point, choice best[TRUTHS])
 {
@@ -173,10 +179,12 @@ static void add_best(bout *b, int peer, int rung, float large)
         if (best[truth].power == 0.0f) continue;
         r = add_row(b, peer, AS_BEST, truth);
         r->p = load(b, peer, AS_BEST, rung, best[truth].point);
-        if (!peer_set(r->p, power_names[peer], best[truth].power)) die(EXIT_RUN, "%s has no %s", peer_names[peer], power_names[peer]);
+        if (!peer_set(r->p, power_names[peer], best[truth].power))
+            die(EXIT_RUN, "%s has no %s", peer_names[peer], power_names[peer]);
         variant_text(peer, AS_BEST, best[truth].point, large, r->settings);
         length = strlen(r->settings);
-        snprintf(r->settings + length, sizeof r->settings - length, " %s=%g", power_names[peer], (double)best[truth].power);
+        snprintf(r->settings + length, sizeof r->settings - length, " %s=%g", power_names[peer],
+                 (double)best[truth].power);
     }
 }
 
@@ -197,7 +205,8 @@ static void add_peer(bout *b, int peer)
     }
 }
 
-/* Ours under the same conventions. Large: presets with a reach lose it. Best: of these two and the powers, by ao_exponent. */
+/* Ours under the same conventions. Large: presets with a reach lose it. Best: of these two and the powers, by
+ * ao_exponent. */
 static void add_preset(bout *b, int preset)
 {
     const char *const bases[] = {"", "reach=0"};
@@ -217,13 +226,13 @@ static void add_preset(bout *b, int preset)
         if (best[truth].power == 0.0f) continue;
         r = add_row(b, OURS, AS_BEST, truth);
         r->preset = preset;
-        snprintf(r->settings, sizeof r->settings, "%s%sao_exponent=%g", bases[best[truth].point], best[truth].point ? " " : "",
-                 (double)best[truth].power);
+        snprintf(r->settings, sizeof r->settings, "%s%sao_exponent=%g", bases[best[truth].point],
+                 best[truth].point ? " " : "", (double)best[truth].power);
         r->o = open_ours(b, preset, r->settings);
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------------ measure */
+/* --------------------------------------------------------------------------------------------------------- measure */
 
 static void put_picture(const bout *b, const char *what, int taps, const image *ao)
 {
@@ -245,8 +254,9 @@ static void first_run(const bout *b, row *r)
     run(r->o, r->p, NULL, &ao);
     r->taps = r->p ? peer_taps(r->p) : ours_taps(r->o);
     for (truth = 0; truth < TRUTHS; ++truth) r->e[truth] = compare(&ao, &b->cap, truth, 1.0f);
-    snprintf(what, sizeof what, "%s-%s%s%s", r->p ? peer_names[r->peer] : presets[r->preset], convention_names[r->convention],
-             r->convention == AS_BEST ? "-" : "", r->convention == AS_BEST ? truth_names[r->judge] : "");
+    snprintf(what, sizeof what, "%s-%s%s%s", r->p ? peer_names[r->peer] : presets[r->preset],
+             convention_names[r->convention], r->convention == AS_BEST ? "-" : "",
+             r->convention == AS_BEST ? truth_names[r->judge] : "");
     if (b->png) put_picture(b, what, r->taps, &ao);
     image_free(&ao);
 }
@@ -268,7 +278,7 @@ void bout_run(bout *b)
     for (i = 0; i < PEERS; ++i) add_peer(b, i);
     for (i = 0; i < b->row_count; ++i) first_run(b, &b->rows[i]); /* errors; and it compiles */
     if (b->png && b->cap.truth_ao.data) put_picture(b, "truth", 0, &b->cap.truth_ao);
-    for (k = 0; k < b->repeats; ++k) {                            /* A B C ... A B C ... */
+    for (k = 0; k < b->repeats; ++k) { /* A B C ... A B C ... */
         fprintf(stderr, "\r%s: timing, round %d of %d                ", b->name, k + 1, b->repeats);
         for (i = 0; i < b->row_count; ++i) run(b->rows[i].o, b->rows[i].p, &b->rows[i].ms[k], NULL);
     }

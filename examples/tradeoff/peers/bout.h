@@ -49,7 +49,10 @@ typedef struct bout {
 } bout;
 
 /* Frames on which ours had the lower error, of those where the terms could be met. */
-typedef struct tally { int won[PRESETS][TRUTHS][PEERS][TERMS][CONVENTIONS], asked[PRESETS][TRUTHS][PEERS][TERMS][CONVENTIONS]; } tally;
+typedef struct tally {
+    int won[PRESETS][TRUTHS][PEERS][TERMS][CONVENTIONS];
+    int asked[PRESETS][TRUTHS][PEERS][TERMS][CONVENTIONS];
+} tally;
 
 /* Message and exit. */
 #if defined(__GNUC__)

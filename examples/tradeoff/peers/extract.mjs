@@ -1,8 +1,8 @@
-// extract.mjs - what a peer's ambient occlusion pass draws, as plain data: its GLSL, uniforms, textures, in the order of its draws.
+// extract.mjs - what a peer's ambient occlusion pass draws, as plain data: its GLSL, uniforms, textures, draw by draw.
 //
-// The packages' own classes decide all of that. They are made here, in node, with a camera of ours, and render() is called with a
-// renderer that draws nothing and notes what it is told. None of their text is in this repository: it goes from the installed package
-// into the cache folder.
+// The packages' own classes decide all of that. They are made here, in node, with a camera of ours, and render() is
+// called with a renderer that draws nothing and notes what it is told. None of their text is in this repository: it
+// goes from the installed package into the cache folder.
 //
 //   node extract.mjs CACHE                    install the packages into CACHE, unless they are there
 //   node extract.mjs CACHE REQUEST.json OUT   and write OUT/NAME.json, a recipe, for each variant of the request
@@ -25,7 +25,7 @@ function fail(code, text) {
     process.exit(code);
 }
 
-// ---------------------------------------------------------------------------------------------------------- packages
+// ----------------------------------------------------------------------------------------------------------- packages
 
 function installed(cache) {
     return Object.entries(pinned).every(([name, version]) => {
@@ -40,25 +40,29 @@ function install(cache) {
     mkdirSync(cache, { recursive: true });
     if (!existsSync(empty)) writeFileSync(empty, '{ "private": true }\n');
     console.error('extract: npm install ' + wanted.join(' '));
-    const npm = spawnSync('npm', ['install', '--prefix', cache, '--save-exact', '--ignore-scripts', '--no-audit', '--no-fund', ...wanted],
+    const options = ['install', '--prefix', cache, '--save-exact', '--ignore-scripts', '--no-audit', '--no-fund'];
+    const npm = spawnSync('npm', [...options, ...wanted],
                           { stdio: ['ignore', 'ignore', 'pipe'], encoding: 'utf8', timeout: 120000 });
     if (npm.status !== 0 || !installed(cache))
-        fail(3, `npm cannot install ${wanted.join(', ')} into ${cache}. It needs the npm registry once.\n${npm.error ?? npm.stderr}`);
+        fail(3, `${npm.error ?? npm.stderr}\nextract: npm cannot install ${wanted.join(', ')}: it needs the registry`);
 }
 
 const load = (cache, file) => import(pathToFileURL(join(cache, 'node_modules', file)).href);
 
-// ------------------------------------------------------------------------------------------------------------- shaders
+// ------------------------------------------------------------------------------------------------------------ shaders
 
-// What three.js puts before a shader of a ShaderMaterial, as far as these passes use it: version, defines, the names of GLSL 1.
+// What three.js puts before a shader, as far as these passes use it: version, defines, the names of GLSL 1. The
+// full-screen triangle needs no transform.
 function prefix(THREE, material, vertex) {
     const defines = Object.entries(material.defines ?? {}).filter(([, value]) => value !== false);
+    const vertexLines = ['#define varying out', 'in vec3 position;', 'in vec2 uv;',
+                         'const mat4 projectionMatrix = mat4(1.0);', 'const mat4 modelViewMatrix = mat4(1.0);'];
+    const fragmentLines = ['#define varying in', '#define texture2D texture', '#define gl_FragColor fragment_color',
+                           'layout(location = 0) out highp vec4 fragment_color;',
+                           THREE.ShaderChunk.colorspace_pars_fragment];
     return ['#version 300 es', 'precision highp float;', 'precision highp int;', 'precision highp sampler2D;',
             ...defines.map(([name, value]) => `#define ${name} ${value}`),
-            ...(vertex ? ['#define varying out', 'in vec3 position;', 'in vec2 uv;', // the full-screen triangle needs no transform
-                          'const mat4 projectionMatrix = mat4(1.0);', 'const mat4 modelViewMatrix = mat4(1.0);']
-                       : ['#define varying in', '#define texture2D texture', 'layout(location = 0) out highp vec4 fragment_color;',
-                          '#define gl_FragColor fragment_color', THREE.ShaderChunk.colorspace_pars_fragment])].join('\n') + '\n';
+            ...(vertex ? vertexLines : fragmentLines)].join('\n') + '\n';
 }
 
 function includes(THREE, text) {
@@ -68,27 +72,31 @@ function includes(THREE, text) {
     });
 }
 
+function replace(path, content) {
+    const temporary = `${path}.${process.pid}`;
+    writeFileSync(temporary, content);
+    renameSync(temporary, path);
+}
+
 // Writes a file once, named after its content.
 function keep(folder, kind, content) {
-    const name = createHash('sha256').update(content).digest('hex').slice(0, 16) + '.' + kind, path = join(folder, name);
-    if (!existsSync(path)) {
-        writeFileSync(path + '.new', content);
-        renameSync(path + '.new', path);
-    }
+    const name = createHash('sha256').update(content).digest('hex').slice(0, 16) + '.' + kind;
+    if (!existsSync(join(folder, name))) replace(join(folder, name), content);
     return name;
 }
 
-// ------------------------------------------------------------------------------------------------------------- renderer
+// ----------------------------------------------------------------------------------------------------------- renderer
 
 function formatOf(THREE, texture) {
     const red = texture.format === THREE.RedFormat;
-    const table = new Map([[THREE.UnsignedByteType, red ? null : 'rgba8'], [THREE.HalfFloatType, red ? null : 'rgba16f'],
-                           [THREE.FloatType, red ? 'r32f' : 'rgba32f']]);
+    const table = new Map([[THREE.UnsignedByteType, red ? null : 'rgba8'], [THREE.FloatType, red ? 'r32f' : 'rgba32f'],
+                           [THREE.HalfFloatType, red ? null : 'rgba16f']]);
     return table.get(texture.type) ?? fail(4, `a texture of type ${texture.type}, format ${texture.format}`);
 }
 
+// Flat, booleans as 0 and 1, infinity as a large number, which JSON has; null: neither number nor list nor vector.
 function numbers(value) {
-    if (typeof value === 'number' || typeof value === 'boolean') return [Math.min(Math.max(Number(value), -3e38), 3e38)]; // JSON has no infinity
+    if (['number', 'boolean'].includes(typeof value)) return [Math.min(Math.max(Number(value), -3e38), 3e38)];
     if (Array.isArray(value)) return value.flatMap(numbers);
     if (typeof value?.toArray === 'function') return value.toArray();
     return null;
@@ -97,9 +105,9 @@ function numbers(value) {
 // Draws nothing, notes everything. inputs: [texture, kind] of those that the host fills.
 class Recorder {
     constructor(THREE, folder, inputs) {
-        Object.assign(this, { THREE, folder, inputs, textures: [], known: new Map(), passes: [], target: null, clearColor: [0, 0, 0, 0],
-                              cleared: false, autoClear: true, xr: { enabled: false }, capabilities: {},
-                              extensions: { has: () => true } }); // all of WebGL 2's that they ask for: float targets
+        Object.assign(this, { THREE, folder, inputs, textures: [], known: new Map(), passes: [], target: null });
+        Object.assign(this, { clearColor: [0, 0, 0, 0], cleared: false, autoClear: true, xr: { enabled: false } });
+        Object.assign(this, { capabilities: {}, extensions: { has: () => true } }); // n8ao asks for float targets
     }
     getClearColor(color) { return color.setRGB(...this.clearColor.slice(0, 3)); }
     getClearAlpha() { return this.clearColor[3]; }
@@ -112,9 +120,10 @@ class Recorder {
         const { THREE } = this;
         if (this.known.has(texture)) return this.known.get(texture);
         const input = this.inputs.find(([t]) => t === texture);
-        const entry = { linear: texture.magFilter === THREE.LinearFilter, repeat: texture.wrapS === THREE.RepeatWrapping };
-        if (input) entry.input = input[1];
-        else Object.assign(entry, { width: texture.image.width, height: texture.image.height, format: formatOf(THREE, texture) });
+        const { width, height } = texture.image ?? {};
+        const entry = { linear: texture.magFilter === THREE.LinearFilter,
+                        repeat: texture.wrapS === THREE.RepeatWrapping };
+        Object.assign(entry, input ? { input: input[1] } : { width, height, format: formatOf(THREE, texture) });
         if (texture.isDataTexture) {
             const { data } = texture.image;
             entry.data = keep(this.folder, 'bin', Buffer.from(data.buffer, data.byteOffset, data.byteLength));
@@ -135,14 +144,15 @@ class Recorder {
             if (value.isTexture) uniforms.push({ name, texture: this.texture(value) });
             else if (numbers(value)) uniforms.push({ name, values: numbers(value) });
         }
-        this.passes.push({ vertex: keep(this.folder, 'vert', text.vertex), fragment: keep(this.folder, 'frag', text.fragment),
-                           target: this.texture(this.target.texture), clear: this.cleared || this.autoClear ? this.clearColor : null,
-                           timed: true, uniforms });
+        this.passes.push({ vertex: keep(this.folder, 'vert', text.vertex),
+                           fragment: keep(this.folder, 'frag', text.fragment),
+                           target: this.texture(this.target.texture),
+                           clear: this.cleared || this.autoClear ? this.clearColor : null, timed: true, uniforms });
         this.cleared = false;
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------- peers
+// -------------------------------------------------------------------------------------------------------------- peers
 
 function makeCamera(THREE, request) {
     const camera = new THREE.PerspectiveCamera(50, request.width / request.height, request.near, request.far);
@@ -151,8 +161,8 @@ function makeCamera(THREE, request) {
     return camera;
 }
 
-// three.js: GTAOPass on a depth and a normal texture of the host, as setGBuffer takes them; its noise has no seed, so it gets one.
-async function three(modules, request, settings, folder) {
+// three.js: GTAOPass on a depth and a normal texture of the host, as setGBuffer takes them. Its noise gets a seed.
+function three(modules, request, settings, folder) {
     const { THREE, GTAOPass } = modules, random = Math.random;
     const depth = new THREE.DepthTexture(request.width, request.height), normal = new THREE.Texture();
     normal.magFilter = THREE.NearestFilter; // as of the normals that the pass renders itself
@@ -166,13 +176,13 @@ async function three(modules, request, settings, folder) {
     pass.output = GTAOPass.OUTPUT.Off;
     const recorder = new Recorder(THREE, folder, [[depth, 'depth'], [normal, 'normal']]);
     pass.render(recorder, null, null);
-    const { SAMPLES } = pass.gtaoMaterial.defines, directions = SAMPLES < 30 ? 3 : 5; // as in shaders/GTAOShader.js
-    return { recorder, result: recorder.texture(pass.gtaoMap), taps: 2 * directions * Math.ceil(SAMPLES / directions) };
+    const { SAMPLES } = pass.gtaoMaterial.defines, lines = SAMPLES < 30 ? 3 : 5; // as in shaders/GTAOShader.js
+    return { recorder, result: recorder.texture(pass.gtaoMap), taps: 2 * lines * Math.ceil(SAMPLES / lines) };
 }
 
-// n8ao: reads depth only. Its last pass, composition, is drawn in mode "AO", black on white without sRGB: the ao that it multiplies
-// with. It is not timed, since other methods are without composition, too.
-async function n8ao(modules, request, settings, folder) {
+// n8ao: reads depth only. Its last pass, composition, is drawn in mode "AO", black on white without sRGB: the ao that
+// it multiplies with. It is not timed, since other methods are without composition, too.
+function n8ao(modules, request, settings, folder) {
     const { THREE, N8AOPass } = modules;
     const pass = new N8AOPass(new THREE.Scene(), makeCamera(THREE, request), request.width, request.height);
     const screen = new THREE.WebGLRenderTarget(request.width, request.height, { type: THREE.FloatType });
@@ -180,20 +190,22 @@ async function n8ao(modules, request, settings, folder) {
     Object.assign(pass.configuration, { autoRenderBeauty: false, gammaCorrection: false }, settings);
     pass.setDisplayMode('AO');
     pass.renderToScreen = false;
-    const recorder = new Recorder(THREE, folder, [[pass.beautyRenderTarget.depthTexture, 'depth'], [pass.beautyRenderTarget.texture, 'white']]);
+    const { depthTexture, texture } = pass.beautyRenderTarget;
+    const recorder = new Recorder(THREE, folder, [[depthTexture, 'depth'], [texture, 'white']]);
     pass.render(recorder, screen, null);
     recorder.passes.at(-1).timed = false;
     return { recorder, result: recorder.texture(screen.texture), taps: pass.configuration.aoSamples };
 }
 
-async function recipe(modules, request, variant, folder) {
+function recipe(modules, request, variant, folder) {
     const peers = { three, n8ao };
     if (!peers[variant.peer]) fail(2, `${variant.name}: there is no peer ${variant.peer}`);
-    const { recorder, result, taps } = await peers[variant.peer](modules, request, variant.settings ?? {}, folder);
-    return { peer: variant.peer, version: pinned[variant.peer], taps, textures: recorder.textures, passes: recorder.passes, result };
+    const { recorder, result, taps } = peers[variant.peer](modules, request, variant.settings ?? {}, folder);
+    const { textures, passes } = recorder;
+    return { peer: variant.peer, version: pinned[variant.peer], taps, textures, passes, result };
 }
 
-// ----------------------------------------------------------------------------------------------------------------- main
+// --------------------------------------------------------------------------------------------------------------- main
 
 const [, , cacheArgument, requestFile, out, ...rest] = process.argv;
 if (!cacheArgument || cacheArgument.startsWith('-') || rest.length || (requestFile && !out))
@@ -205,11 +217,12 @@ if (requestFile) {
     let modules;
     try {
         modules = { THREE: await load(cache, 'three/build/three.module.js'),
-                    ...await load(cache, 'three/examples/jsm/postprocessing/GTAOPass.js'), ...await load(cache, 'n8ao/dist/N8AO.js') };
+                    ...await load(cache, 'three/examples/jsm/postprocessing/GTAOPass.js'),
+                    ...await load(cache, 'n8ao/dist/N8AO.js') };
     } catch (error) {
         fail(4, 'the packages do not load: ' + error.message);
     }
     mkdirSync(out, { recursive: true });
     for (const variant of request.variants)
-        writeFileSync(join(out, variant.name + '.json'), JSON.stringify(await recipe(modules, request, variant, out)));
+        replace(join(out, variant.name + '.json'), JSON.stringify(recipe(modules, request, variant, out)));
 }

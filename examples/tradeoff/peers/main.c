@@ -1,4 +1,5 @@
-/* hbil-peers - ambient occlusion of three.js (GTAOPass) and of n8ao beside presets of hbil.h: same frames, same device, same run. */
+/* hbil-peers - ambient occlusion of three.js (GTAOPass) and of n8ao beside presets of hbil.h: same frames, same device,
+ * same run. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +18,7 @@ typedef struct job {
     runner_info about;
     peers      *peers;
     char        cache_path[1024];
-    FILE       *table;          /* CSV, in memory until it is whole */
+    FILE       *table; /* CSV, in memory until it is whole */
     char       *table_text;
     size_t      table_size;
     tally       score;
@@ -66,7 +67,9 @@ static void run_captures(job *j)
         run_frame(j, all.name[i], &cap);
         ++found;
     }
-    if (!found) die(EXIT_FRAME, "%s: no folder%s%s in it has a frame-000.exr", j->frames, j->frame ? " " : "", j->frame ? j->frame : "");
+    if (!found)
+        die(EXIT_FRAME, "%s: no folder%s%s in it has a frame-000.exr", j->frames, j->frame ? " " : "",
+            j->frame ? j->frame : "");
 }
 
 static void run_scene(job *j)
@@ -74,25 +77,29 @@ static void run_scene(job *j)
     capture cap;
     char    error[1024] = "";
 
-    if (!capture_scene(&cap, j->scene, j->width, j->height, j->rays, NULL, error, sizeof error)) die(EXIT_FRAME, "%s", error);
+    if (!capture_scene(&cap, j->scene, j->width, j->height, j->rays, NULL, error, sizeof error))
+        die(EXIT_FRAME, "%s", error);
     run_frame(j, j->scene, &cap);
 }
 
-/* -------------------------------------------------------------------------------------------------------- command line */
+/* ---------------------------------------------------------------------------------------------------- command line */
 
 static void usage(int code)
 {
     fputs("usage: hbil-peers --frames DIR [--frame NAME] | --scene NAME [--size WxH] [--rays N]\n"
           "                  [--cache DIR] [--repeat N] [--csv FILE] [--png DIR]\n"
-          "Ambient occlusion of three.js (GTAOPass) and n8ao beside presets of hbil.h, on OpenGL: error and time at their defaults, at\n"
+          "Ambient occlusion of three.js (GTAOPass) and n8ao beside presets of hbil.h, on OpenGL: error and time at\n"
           "equal taps and at equal time. Markdown on stdout, progress on stderr.\n"
-          "  --frames DIR   subfolders with frame-000.exr, camera-000.json and, if there, hf-000.exr; --frame NAME: one of them\n"
-          "  --scene NAME   a built-in scene, cornell or fence: size 320x180, 64 rays a pixel for its truth, if not told otherwise\n"
-          "  --cache DIR    npm packages and what is made of them; default ~/.cache/hbil-peers. Filled over the network once\n"
+          "  --frames DIR   subfolders with frame-000.exr, camera-000.json and, if there, hf-000.exr\n"
+          "  --frame NAME   one of them\n"
+          "  --scene NAME   a built-in scene, cornell or fence; --size 320x180 --rays 64 (a pixel, for its truth)\n"
+          "  --cache DIR    npm packages and what is made of them, filled over the network once; default\n"
+          "                 ~/.cache/hbil-peers\n"
           "  --repeat N     timed rounds, default 5\n"
           "  --csv FILE     all rows as CSV\n"
           "  --png DIR      all images, frame-method-convention-taps.png\n"
-          "exit: 0 done; 2 usage; 3 a frame or file; 4 node, npm or the registry is not there; 5 GL, a package that changed, memory\n",
+          "exit: 0 done; 2 usage; 3 a frame or file; 4 node, npm or the registry is not there; 5 GL, memory, or a\n"
+          "      package that is not what it was\n",
           code ? stderr : stdout);
     exit(code);
 }
@@ -102,22 +109,25 @@ static int number(const char *option, const char *text, int low, int high)
     char *end;
     long  v = strtol(text, &end, 10);
 
-    if (end == text || *end || v < low || v > high) die(EXIT_USAGE, "%s %s: a number in [%d, %d] is wanted", option, text, low, high);
+    if (end == text || *end || v < low || v > high)
+        die(EXIT_USAGE, "%s %s: a number in [%d, %d] is wanted", option, text, low, high);
     return (int)v;
 }
 
 static void read_arguments(int argc, char **argv, job *j)
 {
     const char *size = NULL, *rays = NULL, *repeat = NULL;
-    const struct { const char *name, **to; } options[] = {
-        {"--frames", &j->frames}, {"--frame", &j->frame}, {"--scene", &j->scene}, {"--size", &size}, {"--rays", &rays},
-        {"--cache", &j->cache}, {"--repeat", &repeat}, {"--csv", &j->csv}, {"--png", &j->png}};
+    const struct {
+        const char *name, **to;
+    } options[] = {{"--frames", &j->frames}, {"--frame", &j->frame}, {"--scene", &j->scene},
+                   {"--size", &size},        {"--rays", &rays},      {"--cache", &j->cache},
+                   {"--repeat", &repeat},    {"--csv", &j->csv},     {"--png", &j->png}};
     const int count = (int)(sizeof options / sizeof *options);
     int       i, k;
 
     for (i = 1; i < argc; ++i) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) usage(0);
-        for (k = 0; k < count && strcmp(argv[i], options[k].name) != 0; ++k) { }
+        for (k = 0; k < count && strcmp(argv[i], options[k].name) != 0; ++k) {}
         if (k == count || i + 1 == argc) usage(EXIT_USAGE);
         *options[k].to = argv[++i];
     }

@@ -26,15 +26,17 @@ static int make_plan(ours *o, const char *preset, const char *more, char *error,
     snprintf(options, sizeof options, "outputs=ao target=gl depth=device temporal=no %s", more);
     if (hbil_config_preset(preset, &config, &diags) == HBIL_OK
         && hbil_config_parse(&config, options, strlen(options), &diags) == HBIL_OK
-        && hbil_plan_build(&config, &o->plan, &diags) == HBIL_OK) return 1;
-    return frame_error(error, error_size, "preset %s, %s: %s", preset, options, diags.count ? items[0].text : "refused");
+        && hbil_plan_build(&config, &o->plan, &diags) == HBIL_OK)
+        return 1;
+    return frame_error(error, error_size, "preset %s, %s: %s", preset, options,
+                       diags.count ? items[0].text : "refused");
 }
 
 static int make_textures(ours *o, const capture *cap, char *error, size_t error_size)
 {
     static const GLenum pixels[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
-    image    inputs[HBIL_MAX_TEXTURES];
-    uint32_t i;
+    image               inputs[HBIL_MAX_TEXTURES];
+    uint32_t            i;
 
     if (!capture_encode(cap, &o->plan, &o->frame, inputs, error, error_size)) return 0;
     for (i = 0; i < o->plan.texture_count; ++i) {
@@ -42,8 +44,8 @@ static int make_textures(ours *o, const capture *cap, char *error, size_t error_
         const image        *in = &inputs[i];
 
         if (t->life == HBIL_LIFE_INPUT && in->data)
-            o->textures[i] = gl_texture(in->channels == 1 ? GL_R32F : GL_RGBA32F, in->width, in->height, pixels[in->channels - 1],
-                                        GL_FLOAT, in->data);
+            o->textures[i] = gl_texture(in->channels == 1 ? GL_R32F : GL_RGBA32F, in->width, in->height,
+                                        pixels[in->channels - 1], GL_FLOAT, in->data);
         else if (t->life == HBIL_LIFE_OUTPUT)
             o->textures[i] = gl_texture(hbil_gl_format((hbil_format)t->format), cap->width, cap->height, 0, 0, NULL);
     }
@@ -51,7 +53,8 @@ static int make_textures(ours *o, const capture *cap, char *error, size_t error_
     return 1;
 }
 
-ours *ours_open(void *device, const char *preset, const char *options, const capture *cap, char *error, size_t error_size)
+ours *ours_open(void *device, const char *preset, const char *options, const capture *cap, char *error,
+                size_t error_size)
 {
     hbil_gl_info info;
     ours        *o = calloc(1, sizeof *o);
@@ -68,7 +71,8 @@ ours *ours_open(void *device, const char *preset, const char *options, const cap
     info.scratch = o->scratch;
     info.scratch_size = sizeof o->scratch;
     if (hbil_gl_init(&info, &o->backend) == HBIL_GL_OK
-        && hbil_gl_resize(&o->backend, (uint32_t)cap->width, (uint32_t)cap->height, o->textures) == HBIL_GL_OK) return o;
+        && hbil_gl_resize(&o->backend, (uint32_t)cap->width, (uint32_t)cap->height, o->textures) == HBIL_GL_OK)
+        return o;
     frame_error(error, error_size, "preset %s: %s", preset, o->backend.message);
     ours_free(o);
     return NULL;
@@ -92,7 +96,8 @@ int ours_run(ours *o, double *ms, char *error, size_t error_size)
 {
     const double begin = gl_now();
 
-    if (hbil_gl_run(&o->backend, &o->frame) != HBIL_GL_OK) return frame_error(error, error_size, "%s", o->backend.message);
+    if (hbil_gl_run(&o->backend, &o->frame) != HBIL_GL_OK)
+        return frame_error(error, error_size, "%s", o->backend.message);
     if (ms) *ms = gl_now() - begin;
     return 1;
 }

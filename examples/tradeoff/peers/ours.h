@@ -6,9 +6,10 @@
 
 typedef struct ours ours;
 
-/* The preset with more options, or "". ao alone, of one frame: temporal=no. depth is what the peers get, the depth buffer's value.
- * NULL: error[] says why. */
-ours *ours_open(void *device, const char *preset, const char *options, const capture *cap, char *error, size_t error_size);
+/* The preset with more options, or "". ao alone, of one frame: temporal=no. depth is what the peers get, the depth
+ * buffer's value. NULL: error[] says why. */
+ours *ours_open(void *device, const char *preset, const char *options, const capture *cap, char *error,
+                size_t error_size);
 void  ours_free(ours *o);
 /* Depth samples a pixel if no side ends early; of a sweep, its horizons. */
 int   ours_taps(const ours *o);

@@ -11,13 +11,16 @@
 
 #define PROGRAMS_MAX 64
 #define TEXTURES_MAX 16
-#define PASSES_MAX   8
+#define PASSES_MAX 8
 #define UNIFORMS_MAX 48
-#define NAME         64
-#define FILE_MAX     (1u << 20)
-#define SKY_FROM     1e9f /* m */
+#define NAME 64
+#define FILE_MAX (1u << 20)
+#define SKY_FROM 1e9f /* m */
 
-typedef struct program { char vertex[NAME], fragment[NAME]; GLuint name; } program;
+typedef struct program {
+    char   vertex[NAME], fragment[NAME];
+    GLuint name;
+} program;
 
 struct peers {
     GLuint  vertices, depth, normal, white;
@@ -30,22 +33,25 @@ typedef struct uniform {
     char   name[NAME];
     GLint  location;
     GLenum type;
-    int    count;           /* elements of an array, or 1 */
-    int    unit;            /* of a sampler */
+    int    count; /* elements of an array, or 1 */
+    int    unit;  /* of a sampler */
     GLuint texture;
     float *values;
 } uniform;
 
 typedef struct pass {
     GLuint  program, framebuffer;
-    int     width, height;  /* of its target */
+    int     width, height; /* of its target */
     int     clears, timed;
     float   clear[4];
     uniform uniforms[UNIFORMS_MAX];
     int     uniform_count;
 } pass;
 
-typedef struct target { GLuint name; int width, height, own; } target;
+typedef struct target {
+    GLuint name;
+    int    width, height, own;
+} target;
 
 struct peer_pass {
     target textures[TEXTURES_MAX];
@@ -54,14 +60,14 @@ struct peer_pass {
     GLuint vertices;
 };
 
-/* -------------------------------------------------------------------------------------------------------------- frame */
+/* ----------------------------------------------------------------------------------------------------------- frame */
 
 peers *peers_open(void *device, char *error, size_t error_size)
 {
-    static const float corners[] = {-1, -1, 0, 0, 0,  3, -1, 0, 2, 0,  -1, 3, 0, 0, 2}; /* position, uv */
+    static const float         corners[] = {-1, -1, 0, 0, 0, 3, -1, 0, 2, 0, -1, 3, 0, 0, 2}; /* position, uv */
     static const unsigned char white[] = {255, 255, 255, 255};
-    peers *p = calloc(1, sizeof *p);
-    GLuint buffer = 0;
+    peers                     *p = calloc(1, sizeof *p);
+    GLuint                     buffer = 0;
 
     if (!p || !gl_load(device, error, error_size)) {
         if (!p) frame_error(error, error_size, "out of memory");
@@ -94,7 +100,8 @@ void peers_close(peers *p)
     free(p);
 }
 
-/* Linear depth to the depth buffer's value; float, since a 24-bit buffer is no finer near 1, where nearly all of it lies. */
+/* Linear depth to the depth buffer's value; float, since a 24-bit buffer is no finer near 1, where nearly all of it
+ * lies. */
 static float device_depth(const capture *cap, float linear)
 {
     const double a = (double)cap->projection[10], b = (double)cap->projection[14], z = (double)linear;
@@ -109,7 +116,8 @@ int peers_frame(peers *p, const capture *cap, char *error, size_t error_size)
     image     depth = {0, 0, 0, NULL}, normal = {0, 0, 0, NULL};
     int       x, y, c;
 
-    if (cap->orthographic) return frame_error(error, error_size, "an orthographic frame: the peers are bound for perspective ones");
+    if (cap->orthographic)
+        return frame_error(error, error_size, "an orthographic frame: the peers are bound for perspective ones");
     if (!image_make(&depth, w, h, 1) || !image_make(&normal, w, h, 4)) {
         image_free(&depth);
         return frame_error(error, error_size, "out of memory");
@@ -134,7 +142,7 @@ int peers_frame(peers *p, const capture *cap, char *error, size_t error_size)
     return 1;
 }
 
-/* ----------------------------------------------------------------------------------------------------------- programs */
+/* -------------------------------------------------------------------------------------------------------- programs */
 
 static GLuint compile(GLenum stage, const char *folder, const char *file, char *error, size_t error_size)
 {
@@ -183,7 +191,8 @@ static GLuint link_program(const char *folder, const char *vertex, const char *f
 }
 
 /* Files are named after their content: the same name is the same program, in all recipes. */
-static GLuint find_program(peers *p, const char *folder, const char *vertex, const char *fragment, char *error, size_t error_size)
+static GLuint find_program(peers *p, const char *folder, const char *vertex, const char *fragment, char *error,
+                           size_t error_size)
 {
     program *q = p->programs;
     int      i;
@@ -191,7 +200,8 @@ static GLuint find_program(peers *p, const char *folder, const char *vertex, con
     for (i = 0; i < p->program_count; ++i, ++q)
         if (strcmp(q->vertex, vertex) == 0 && strcmp(q->fragment, fragment) == 0) return q->name;
     if (p->program_count == PROGRAMS_MAX || strlen(vertex) >= NAME || strlen(fragment) >= NAME) {
-        frame_error(error, error_size, "%s: more than %d programs, or file names of more than %d letters", folder, PROGRAMS_MAX, NAME);
+        frame_error(error, error_size, "%s: more than %d programs, or file names of more than %d letters", folder,
+                    PROGRAMS_MAX, NAME);
         return 0;
     }
     q->name = link_program(folder, vertex, fragment, error, error_size);
@@ -202,7 +212,7 @@ static GLuint find_program(peers *p, const char *folder, const char *vertex, con
     return q->name;
 }
 
-/* ------------------------------------------------------------------------------------------------------------ recipes */
+/* --------------------------------------------------------------------------------------------------------- recipes */
 
 static const char *text_of(const cJSON *object, const char *name)
 {
@@ -231,7 +241,8 @@ static void *read_bytes(const char *folder, const char *file, size_t size, char 
     snprintf(path, sizeof path, "%s/%s", folder, file);
     f = fopen(path, "rb");
     if (!bytes || !f || fread(bytes, 1, size, f) != size) {
-        frame_error(error, error_size, "%s: not the %zu bytes of a texture. Empty the cache folder's recipes and run again", path, size);
+        frame_error(error, error_size,
+                    "%s: not the %zu bytes of a texture. Empty the cache folder's recipes and run again", path, size);
         free(bytes);
         bytes = NULL;
     }
@@ -239,10 +250,13 @@ static void *read_bytes(const char *folder, const char *file, size_t size, char 
     return bytes;
 }
 
-static int load_texture(const peers *p, target *t, const cJSON *entry, const char *folder, char *error, size_t error_size)
+static int load_texture(const peers *p, target *t, const cJSON *entry, const char *folder, char *error,
+                        size_t error_size)
 {
-    static const struct { const char *name; GLenum format; } formats[] = {
-        {"rgba8", GL_RGBA8}, {"rgba16f", GL_RGBA16F}, {"r32f", GL_R32F}, {"rgba32f", GL_RGBA32F}};
+    static const struct {
+        const char *name;
+        GLenum      format;
+    } formats[] = {{"rgba8", GL_RGBA8}, {"rgba16f", GL_RGBA16F}, {"r32f", GL_R32F}, {"rgba32f", GL_RGBA32F}};
     const char *input = text_of(entry, "input"), *format = text_of(entry, "format"), *file = text_of(entry, "data");
     const int   kinds = (int)(sizeof formats / sizeof *formats);
     void       *data = NULL;
@@ -254,8 +268,9 @@ static int load_texture(const peers *p, target *t, const cJSON *entry, const cha
         t->name = strcmp(input, "depth") == 0 ? p->depth : strcmp(input, "normal") == 0 ? p->normal : p->white;
         return 1;
     }
-    for (i = 0; i < kinds && strcmp(formats[i].name, format) != 0; ++i) { }
-    if (i == kinds || t->width < 1 || t->height < 1) return frame_error(error, error_size, "%s: a texture of format %s", folder, format);
+    for (i = 0; i < kinds && strcmp(formats[i].name, format) != 0; ++i) {}
+    if (i == kinds || t->width < 1 || t->height < 1)
+        return frame_error(error, error_size, "%s: a texture of format %s", folder, format);
     if (*file) {
         data = read_bytes(folder, file, 4 * (size_t)t->width * (size_t)t->height, error, error_size);
         if (!data) return 0;
@@ -278,7 +293,10 @@ static int load_texture(const peers *p, target *t, const cJSON *entry, const cha
 static int components(GLenum type)
 {
     switch (type) {
-    case GL_FLOAT: case GL_INT: case GL_BOOL: case GL_SAMPLER_2D: return 1;
+    case GL_FLOAT:
+    case GL_INT:
+    case GL_BOOL:
+    case GL_SAMPLER_2D: return 1;
     case GL_FLOAT_VEC2: return 2;
     case GL_FLOAT_VEC3: return 3;
     case GL_FLOAT_VEC4: return 4;
@@ -296,7 +314,8 @@ static const cJSON *find_uniform(const cJSON *list, const char *name)
 }
 
 /* A sampler without a texture reads white: three.js binds an empty one there. */
-static int fill_uniform(const peers *p, const peer_pass *q, uniform *u, const cJSON *entry, char *error, size_t error_size)
+static int fill_uniform(const peers *p, const peer_pass *q, uniform *u, const cJSON *entry, char *error,
+                        size_t error_size)
 {
     const int    wanted = u->count * components(u->type), index = entry ? int_of(entry, "texture") : -1;
     const cJSON *values = entry ? cJSON_GetObjectItemCaseSensitive(entry, "values") : NULL;
@@ -307,20 +326,23 @@ static int fill_uniform(const peers *p, const peer_pass *q, uniform *u, const cJ
         return 1;
     }
     if (wanted == 0 || cJSON_GetArraySize(values) < wanted)
-        return frame_error(error, error_size, "uniform %s: the shader takes %d numbers of type 0x%04x, the recipe has %d", u->name, wanted,
+        return frame_error(error, error_size,
+                           "uniform %s: the shader takes %d numbers of type 0x%04x, the recipe has %d", u->name, wanted,
                            u->type, cJSON_GetArraySize(values));
     u->values = malloc((size_t)wanted * sizeof *u->values);
     for (i = 0; u->values && i < wanted; ++i) u->values[i] = (float)cJSON_GetArrayItem(values, i)->valuedouble;
     return u->values != NULL;
 }
 
-static int load_uniforms(const peers *p, const peer_pass *q, pass *to, const cJSON *list, char *error, size_t error_size)
+static int load_uniforms(const peers *p, const peer_pass *q, pass *to, const cJSON *list, char *error,
+                         size_t error_size)
 {
     GLint active = 0;
     int   i, unit = 0;
 
     gl.GetProgramiv(to->program, GL_ACTIVE_UNIFORMS, &active);
-    if (active > UNIFORMS_MAX) return frame_error(error, error_size, "a shader with more than %d uniforms", UNIFORMS_MAX);
+    if (active > UNIFORMS_MAX)
+        return frame_error(error, error_size, "a shader with more than %d uniforms", UNIFORMS_MAX);
     for (i = 0; i < active; ++i) {
         uniform *u = &to->uniforms[to->uniform_count];
         char    *bracket;
@@ -338,14 +360,16 @@ static int load_uniforms(const peers *p, const peer_pass *q, pass *to, const cJS
     return 1;
 }
 
-static int load_pass(peers *p, peer_pass *q, pass *to, const cJSON *entry, const char *folder, char *error, size_t error_size)
+static int load_pass(peers *p, peer_pass *q, pass *to, const cJSON *entry, const char *folder, char *error,
+                     size_t error_size)
 {
     const cJSON  *clear = cJSON_GetObjectItemCaseSensitive(entry, "clear");
     const int     index = int_of(entry, "target");
     const target *t = &q->textures[index];
     int           i;
 
-    if (index < 0 || index >= q->texture_count || !t->own) return frame_error(error, error_size, "%s: a pass without a target", folder);
+    if (index < 0 || index >= q->texture_count || !t->own)
+        return frame_error(error, error_size, "%s: a pass without a target", folder);
     to->program = find_program(p, folder, text_of(entry, "vertex"), text_of(entry, "fragment"), error, error_size);
     if (!to->program) return 0;
     to->width = t->width;
@@ -371,20 +395,21 @@ static int load_all(peers *p, peer_pass *q, const cJSON *root, const char *folde
     q->result = int_of(root, "result");
     q->vertices = p->vertices;
     if (cJSON_GetArraySize(textures) > TEXTURES_MAX || cJSON_GetArraySize(passes) > PASSES_MAX || q->result < 0
-        || q->result >= cJSON_GetArraySize(textures)) return frame_error(error, error_size, "%s: not a recipe of extract.mjs", folder);
-    cJSON_ArrayForEach(entry, textures)
-        if (!load_texture(p, &q->textures[q->texture_count++], entry, folder, error, error_size)) return 0;
-    cJSON_ArrayForEach(entry, passes)
-        if (!load_pass(p, q, &q->passes[q->pass_count++], entry, folder, error, error_size)) return 0;
+        || q->result >= cJSON_GetArraySize(textures))
+        return frame_error(error, error_size, "%s: not a recipe of extract.mjs", folder);
+    cJSON_ArrayForEach(entry, textures) if (!load_texture(p, &q->textures[q->texture_count++], entry, folder, error,
+                                                          error_size)) return 0;
+    cJSON_ArrayForEach(
+        entry, passes) if (!load_pass(p, q, &q->passes[q->pass_count++], entry, folder, error, error_size)) return 0;
     return 1;
 }
 
 peer_pass *peer_load(peers *p, const char *folder, const char *name, char *error, size_t error_size)
 {
     peer_pass *q = calloc(1, sizeof *q);
-    cJSON *root;
-    char   path[1024];
-    int    ok;
+    cJSON     *root;
+    char       path[1024];
+    int        ok;
 
     snprintf(path, sizeof path, "%s/%s.json", folder, name);
     root = q ? json_read(path, FILE_MAX, "a recipe of extract.mjs", error, error_size) : NULL;
@@ -427,7 +452,7 @@ int peer_set(peer_pass *q, const char *name, float value)
     return found;
 }
 
-/* ---------------------------------------------------------------------------------------------------------------- run */
+/* ------------------------------------------------------------------------------------------------------------- run */
 
 static void set_uniform(const uniform *u)
 {
@@ -439,7 +464,8 @@ static void set_uniform(const uniform *u)
         gl.BindTexture(GL_TEXTURE_2D, u->texture);
         gl.Uniform1iv(u->location, 1, &whole);
         break;
-    case GL_INT: case GL_BOOL: gl.Uniform1iv(u->location, 1, &whole); break;
+    case GL_INT:
+    case GL_BOOL: gl.Uniform1iv(u->location, 1, &whole); break;
     case GL_FLOAT: gl.Uniform1fv(u->location, u->count, u->values); break;
     case GL_FLOAT_VEC2: gl.Uniform2fv(u->location, u->count, u->values); break;
     case GL_FLOAT_VEC3: gl.Uniform3fv(u->location, u->count, u->values); break;

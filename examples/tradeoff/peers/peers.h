@@ -1,6 +1,6 @@
 /* peers.h - draws the recipes of extract.mjs: passes of another library, on a capture.
- * Their side of the conventions: texture row 0 is the bottom of the picture, depth is the depth buffer's value of an OpenGL
- * projection, normals are of view space, stored as 0.5 n + 0.5. */
+ * Their side of the conventions: texture row 0 is the bottom of the picture, depth is the depth buffer's value of an
+ * OpenGL projection, normals are of view space, stored as 0.5 n + 0.5. */
 #ifndef HBIL_PEERS_H
 #define HBIL_PEERS_H
 

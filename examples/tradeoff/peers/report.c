@@ -25,7 +25,8 @@ static void put_rows(const bout *b)
         put_label(r);
         printf(" %d | %.1f |", r->taps, r->median);
         for (truth = 0; truth < TRUTHS; ++truth)
-            if (r->e[truth].known) printf(" %.4f | %+.3f | %.2f |", r->e[truth].rmse, r->e[truth].bias, r->e[truth].correlation);
+            if (r->e[truth].known)
+                printf(" %.4f | %+.3f | %.2f |", r->e[truth].rmse, r->e[truth].bias, r->e[truth].correlation);
             else printf(" - | - | - |");
         putchar('\n');
     }
@@ -34,7 +35,8 @@ static void put_rows(const bout *b)
 /* May this row be judged by that truth under that convention? */
 static int fits(const row *r, int peer, int truth, int convention)
 {
-    return r->peer == peer && r->e[truth].known && r->convention == convention && (convention != AS_BEST || r->judge == truth);
+    return r->peer == peer && r->e[truth].known && r->convention == convention
+           && (convention != AS_BEST || r->judge == truth);
 }
 
 /* Presets without a reach are large as shipped. */
@@ -69,7 +71,9 @@ static const row *rival(const bout *b, const row *own, int peer, int truth, int 
     for (i = 0; i < b->row_count; ++i) {
         const row *r = &b->rows[i];
 
-        if (!fits(r, peer, truth, convention) || (terms == EQUAL_TAPS ? r->taps != taps : r->median > SAME_TIME * own->median)) continue;
+        if (!fits(r, peer, truth, convention)
+            || (terms == EQUAL_TAPS ? r->taps != taps : r->median > SAME_TIME * own->median))
+            continue;
         if (!best || r->e[truth].rmse < best->e[truth].rmse) best = r;
     }
     return best;
@@ -92,8 +96,8 @@ static void put_pair(const bout *b, int preset, int truth, int peer, int terms, 
         won = own->e[truth].rmse <= other->e[truth].rmse;
         t->asked[preset][truth][peer][terms][convention]++;
         t->won[preset][truth][peer][terms][convention] += won;
-        printf(" %.4f : %.4f%s (%d : %d taps, %.2f ms) |", own->e[truth].rmse, other->e[truth].rmse, won ? "" : " **loses**", own->taps,
-               other->taps, other->median / own->median);
+        printf(" %.4f : %.4f%s (%d : %d taps, %.2f ms) |", own->e[truth].rmse, other->e[truth].rmse,
+               won ? "" : " **loses**", own->taps, other->taps, other->median / own->median);
     }
     putchar('\n');
 }
@@ -103,14 +107,16 @@ void report_bout(const bout *b, tally *t)
     int preset, truth, peer, terms;
 
     printf("\n## %s, %dx%d\n\n", b->name, b->cap.width, b->cap.height);
-    printf("Ours : theirs, rmse; in brackets the taps, and their time as a part of ours.\n\n| preset | truth | against | at |");
+    puts("Ours : theirs, rmse; in brackets the taps, and their time as a part of ours.\n");
+    printf("| preset | truth | against | at |");
     for (terms = 0; terms < CONVENTIONS; ++terms) printf(" %s |", convention_names[terms]);
     puts("\n|---|---|---|---|---|---|---|");
     for (preset = 0; preset < PRESETS; ++preset)
         for (truth = 0; truth < TRUTHS; ++truth)
             for (peer = 0; peer < PEERS; ++peer)
                 for (terms = 0; terms < TERMS; ++terms) put_pair(b, preset, truth, peer, terms, t);
-    printf("\nAll rows; \"large\" is %.3g m here, times are medians of %d interleaved rounds.\n\n", (double)variant_large(&b->cap), b->repeats);
+    printf("\nAll rows; \"large\" is %.3g m here, times are medians of %d interleaved rounds.\n\n",
+           (double)variant_large(&b->cap), b->repeats);
     put_rows(b);
     fflush(stdout);
 }
@@ -118,40 +124,50 @@ void report_bout(const bout *b, tally *t)
 void report_head(const char *device, const char *driver)
 {
     printf("# Ambient occlusion of peers, on %s, %s\n\n", device, driver);
-    puts("- three: GTAOPass of three.js and its denoising. n8ao: its AO, depth mips and two denoising passes; it makes normals from\n"
-         "  depth, the others read the frame's. Ours: the preset with outputs=ao. Composition counts for nobody.\n"
-         "- Taps are depth samples a pixel of the ao pass, of our sweeps horizons; a peer gets at least as many as ours.\n"
-         "- as shipped: defaults but for the samples. The packages' radii are 0.25 m and 5 m, n8ao raises its result to a power of 5; the\n"
-         "  truths have neither radius nor power. large: radius of the whole scene, no fall-off, no power: what the truths are of.\n"
-         "  best: the settings that come nearest to the truth on this very frame: of a grid of radii, fall-offs, spacings and powers for\n"
-         "  peers, of powers for ours. No user has a truth to do so by.\n"
+    puts("- three: GTAOPass of three.js and its denoising. n8ao: its AO, depth mips and two denoising passes; it makes\n"
+         "  normals from depth, the others read the frame's. Ours: the preset with outputs=ao. Nobody's time has\n"
+         "  composition in it.\n"
+         "- Taps: depth samples a pixel of the ao pass, of our sweeps horizons; a peer gets at least as many as ours.\n"
+         "- as shipped: defaults but for the samples. The packages' radii are 0.25 m and 5 m, n8ao raises its result to\n"
+         "  a power of 5; the truths have neither radius nor power. large: radius of the whole scene, no fall-off, no\n"
+         "  power: what the truths are of. best: the settings that come nearest to the truth on this very frame: of a\n"
+         "  grid of radii, fall-offs, spacings and powers for peers, of powers for ours. No user has a truth for that.\n"
          "- n8ao's image goes through 8 bits between its passes, as shipped.\n"
-         "- Scene truth is path-traced, what the screen hides included: no method here can see that, and a power that darkens stands in\n"
-         "  for it by luck. It is noisy, too: about 0.03 of each rmse is its own. height field: truth of the depth buffer alone.\n"
-         "- Near light: neither pass has any. (three.js has SSGINode, for its WebGPU renderer only; n8ao's colour tints its ao.)");
+         "- scene: path-traced truth, what the screen hides included. No method here can see that; a power that\n"
+         "  darkens stands in for it by luck. It is noisy, too: about 0.03 of each rmse is its own. height field:\n"
+         "  truth of the depth buffer alone.\n"
+         "- Near light: neither pass has any. (three.js has SSGINode, for its WebGPU renderer only; n8ao's colour\n"
+         "  tints its ao.)");
 }
 
 void report_summary(const tally *t)
 {
     int preset, truth, peer, terms, convention;
 
-    puts("\n## Frames on which ours has the lower error\n\nOf those where the peer can be that fast.\n\n| preset | truth | against | at |"
-         " as shipped | large | best |\n|---|---|---|---|---:|---:|---:|");
+    puts(
+        "\n## Frames on which ours has the lower error\n\nOf those where the peer can be that fast.\n\n"
+        "| preset | truth | against | at |"
+        " as shipped | large | best |\n|---|---|---|---|---:|---:|---:|");
     for (preset = 0; preset < PRESETS; ++preset)
         for (truth = 0; truth < TRUTHS; ++truth)
             for (peer = 0; peer < PEERS; ++peer)
                 for (terms = 0; terms < TERMS; ++terms) {
-                    printf("| `%s` | %s | %s | %s |", presets[preset], truth_names[truth], peer_names[peer], term_names[terms]);
+                    printf("| `%s` | %s | %s | %s |", presets[preset], truth_names[truth], peer_names[peer],
+                           term_names[terms]);
                     for (convention = 0; convention < CONVENTIONS; ++convention)
-                        printf(" %d of %d |", t->won[preset][truth][peer][terms][convention], t->asked[preset][truth][peer][terms][convention]);
+                        printf(" %d of %d |", t->won[preset][truth][peer][terms][convention],
+                               t->asked[preset][truth][peer][terms][convention]);
                     putchar('\n');
                 }
 }
 
 void report_csv_head(FILE *csv)
 {
-    fputs("frame,width,height,device,who,convention,chosen_by,settings,taps,ms_min,ms_median,ms_max,scene_rmse,scene_bias,"
-          "scene_correlation,hf_rmse,hf_bias,hf_correlation\n", csv);
+    fputs(
+        "frame,width,height,device,who,convention,chosen_by,settings,taps,ms_min,ms_median,ms_max,"
+        "scene_rmse,scene_bias,"
+        "scene_correlation,hf_rmse,hf_bias,hf_correlation\n",
+        csv);
 }
 
 void report_csv(FILE *csv, const bout *b, const char *device)
@@ -163,9 +179,11 @@ void report_csv(FILE *csv, const bout *b, const char *device)
 
         fprintf(csv, "%s,%d,%d,\"%s\",%s,%s,%s,%s,%d,%.4f,%.4f,%.4f", b->name, b->cap.width, b->cap.height, device,
                 r->peer == OURS ? presets[r->preset] : peer_names[r->peer], convention_names[r->convention],
-                r->convention == AS_BEST ? truth_names[r->judge] : "", r->settings, r->taps, r->ms[0], r->median, r->ms[b->repeats - 1]);
+                r->convention == AS_BEST ? truth_names[r->judge] : "", r->settings, r->taps, r->ms[0], r->median,
+                r->ms[b->repeats - 1]);
         for (truth = 0; truth < TRUTHS; ++truth)
-            if (r->e[truth].known) fprintf(csv, ",%.6f,%.6f,%.6f", r->e[truth].rmse, r->e[truth].bias, r->e[truth].correlation);
+            if (r->e[truth].known)
+                fprintf(csv, ",%.6f,%.6f,%.6f", r->e[truth].rmse, r->e[truth].bias, r->e[truth].correlation);
             else fputs(",,,", csv);
         fputc('\n', csv);
     }

@@ -1,5 +1,5 @@
-/* variants.c - see variants.h. The names of the options are those of three.js's GTAOPass.updateGtaoMaterial and of n8ao's
- * configuration; what is not set keeps the package's default. */
+/* variants.c - see variants.h. The names of the options are those of three.js's GTAOPass.updateGtaoMaterial and of
+ * n8ao's configuration; what is not set keeps the package's default. */
 #include "variants.h"
 
 #include <errno.h>
@@ -14,14 +14,17 @@
 
 const char *const peer_names[PEERS] = {"three", "n8ao"};
 const char *const convention_names[CONVENTIONS] = {"as shipped", "large", "best"};
-const int peer_rungs[PEERS][RUNGS_MAX] = {{3, 6, 9, 16, 30}, {4, 8, 16, 36, 64}};
-const float powers[POWERS] = {1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
+const int         peer_rungs[PEERS][RUNGS_MAX] = {{3, 6, 9, 16, 30}, {4, 8, 16, 36, 64}};
+const float       powers[POWERS] = {1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
 const char *const power_names[PEERS] = {"scale", "intensity"};
 
 enum { RADII = 6 };
 
-/* three: fall-off of horizons with the step off or on, steps even or quadratic; n8ao: the fall-off's reach, in radii / 5. */
-typedef struct point { float radius, falloff, exponent; } point;
+/* three: fall-off of horizons with the step off or on, steps even or quadratic; n8ao: the fall-off's reach, in radii
+ * / 5. */
+typedef struct point {
+    float radius, falloff, exponent;
+} point;
 
 int variant_grid(int peer)
 {
@@ -43,7 +46,8 @@ static point grid_point(int peer, int index)
 
 void variant_name(int peer, int convention, int rung, int index, char out[64])
 {
-    snprintf(out, 64, "%s-%d-%c%d", peer_names[peer], peer_rungs[peer][rung], "slb"[convention], convention == AS_BEST ? index : 0);
+    snprintf(out, 64, "%s-%d-%c%d", peer_names[peer], peer_rungs[peer][rung], "slb"[convention],
+             convention == AS_BEST ? index : 0);
 }
 
 void variant_text(int peer, int convention, int index, float large, char out[160])
@@ -52,8 +56,8 @@ void variant_text(int peer, int convention, int index, float large, char out[160
 
     if (convention == AS_SHIPPED) snprintf(out, 160, "%s", "");
     else if (peer == PEER_THREE)
-        snprintf(out, 160, "radius=%.3g thickness=%.3g distanceFallOff=%g distanceExponent=%g", (double)(p.radius * large),
-                 (double)large, (double)p.falloff, (double)p.exponent);
+        snprintf(out, 160, "radius=%.3g thickness=%.3g distanceFallOff=%g distanceExponent=%g",
+                 (double)(p.radius * large), (double)large, (double)p.falloff, (double)p.exponent);
     else snprintf(out, 160, "aoRadius=%.3g distanceFalloff=%g", (double)(p.radius * large), (double)p.falloff);
 }
 
@@ -65,7 +69,8 @@ float variant_large(const capture *cap)
     for (y = 0; y < cap->height; ++y) {
         for (x = 0; x < cap->width; ++x) {
             const float d = cap->depth.data[y * cap->width + x];
-            const float ndc[2] = {2.0f * ((float)x + 0.5f) / (float)cap->width - 1.0f, 2.0f * ((float)y + 0.5f) / (float)cap->height - 1.0f};
+            const float ndc[2] = {2.0f * ((float)x + 0.5f) / (float)cap->width - 1.0f,
+                                  2.0f * ((float)y + 0.5f) / (float)cap->height - 1.0f};
             const float at[3] = {d * ndc[0] / cap->projection[0], d * ndc[1] / cap->projection[5], d};
 
             if (!(d < SKY_FROM)) continue;
@@ -79,7 +84,7 @@ float variant_large(const capture *cap)
     return isfinite(sum) ? sqrtf(sum) : 1.0f;
 }
 
-/* ------------------------------------------------------------------------------------------------------------ request */
+/* --------------------------------------------------------------------------------------------------------- request */
 
 static void put_settings(FILE *f, int peer, int convention, int rung, int index, float large)
 {
@@ -91,8 +96,7 @@ static void put_settings(FILE *f, int peer, int convention, int rung, int index,
     if (peer == PEER_THREE)
         fprintf(f, ", \"radius\": %.9g, \"thickness\": %.9g, \"distanceFallOff\": %.9g, \"distanceExponent\": %.9g",
                 radius, (double)large, (double)p.falloff, (double)p.exponent);
-    else
-        fprintf(f, ", \"aoRadius\": %.9g, \"distanceFalloff\": %.9g, \"intensity\": 1", radius, (double)p.falloff);
+    else fprintf(f, ", \"aoRadius\": %.9g, \"distanceFalloff\": %.9g, \"intensity\": 1", radius, (double)p.falloff);
 }
 
 static void put_variants(FILE *f, float large)
@@ -106,7 +110,8 @@ static void put_variants(FILE *f, float large)
             for (convention = 0; convention < CONVENTIONS; ++convention)
                 for (index = 0; index < (convention == AS_BEST ? variant_grid(peer) : 1); ++index) {
                     variant_name(peer, convention, rung, index, name);
-                    fprintf(f, "%s\n{ \"name\": \"%s\", \"peer\": \"%s\", \"settings\": { ", comma, name, peer_names[peer]);
+                    fprintf(f, "%s\n{ \"name\": \"%s\", \"peer\": \"%s\", \"settings\": { ", comma, name,
+                            peer_names[peer]);
                     put_settings(f, peer, convention, rung, index, large);
                     fputs(" } }", f);
                     comma = ",";
@@ -120,17 +125,18 @@ static int write_request(const char *path, const capture *cap, char *error, size
     int   i;
 
     if (!f) return frame_error(error, error_size, "%s: cannot be written. Give another --cache", path);
-    fprintf(f, "{ \"width\": %d, \"height\": %d, \"near\": %.9g, \"far\": %.9g, \"projection\": [", cap->width, cap->height,
-            (double)cap->near_z, (double)cap->far_z);
-    for (i = 0; i < 16; ++i) fprintf(f, "%s%.9g", i ? ", " : "", (double)(i % 4 == 1 ? -cap->projection[i] : cap->projection[i]));
+    fprintf(f, "{ \"width\": %d, \"height\": %d, \"near\": %.9g, \"far\": %.9g, \"projection\": [", cap->width,
+            cap->height, (double)cap->near_z, (double)cap->far_z);
+    for (i = 0; i < 16; ++i)
+        fprintf(f, "%s%.9g", i ? ", " : "", (double)(i % 4 == 1 ? -cap->projection[i] : cap->projection[i]));
     fputs("],\n  \"variants\": [", f);
     put_variants(f, variant_large(cap));
     fputs("] }\n", f);
     return fclose(f) == 0 || frame_error(error, error_size, "%s: cannot be written, the disk may be full", path);
 }
 
-int variants_extract(const char *script, const char *cache, const char *folder, const capture *cap, int *missing, char *error,
-                     size_t error_size)
+int variants_extract(const char *script, const char *cache, const char *folder, const capture *cap, int *missing,
+                     char *error, size_t error_size)
 {
     char  request[1024];
     pid_t child;
@@ -145,7 +151,7 @@ int variants_extract(const char *script, const char *cache, const char *folder, 
         execlp("node", "node", script, cache, request, folder, (char *)NULL);
         _exit(127);
     }
-    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) { }
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {}
     if (child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return 1;
     *missing = child > 0 && WIFEXITED(status) && (WEXITSTATUS(status) == 127 || WEXITSTATUS(status) == 3);
     if (child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 127)

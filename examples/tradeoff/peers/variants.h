@@ -13,11 +13,11 @@ extern const char *const convention_names[CONVENTIONS];
 
 #define RUNGS_MAX 8
 
-/* Sample counts by the package's own option, few to many; 0 ends them. The last but one is three.js's default, 16 n8ao's. */
+/* Sample counts by the package's own option, few to many; 0 ends them. 16 is the default of both. */
 extern const int peer_rungs[PEERS][RUNGS_MAX];
 
-/* Settings that AS_BEST chooses from with the truth in hand: points of a grid, and powers of the result, by the uniform power_names[]
- * of the package (three.js takes it before it denoises, n8ao after that). */
+/* Settings that AS_BEST chooses from with the truth in hand: points of a grid, and powers of the result, by the uniform
+ * power_names[] of the package (three.js takes it before it denoises, n8ao after that). */
 int   variant_grid(int peer);
 #define POWERS 5
 extern const float       powers[POWERS];
@@ -30,8 +30,9 @@ void  variant_text(int peer, int convention, int point, float large, char out[16
 /* A radius as large as what is seen: the diagonal of the visible points' box in view space, m. */
 float variant_large(const capture *cap);
 
-/* Has node write FOLDER/NAME.json for every name above. 1; 0: error[], and *missing says if node, npm or the registry are not there. */
-int   variants_extract(const char *script, const char *cache, const char *folder, const capture *cap, int *missing, char *error,
-                       size_t error_size);
+/* Has node write FOLDER/NAME.json for every name above. 1; 0: error[], and *missing says if node, npm or the registry
+ * are not there. */
+int   variants_extract(const char *script, const char *cache, const char *folder, const capture *cap, int *missing,
+                       char *error, size_t error_size);
 
 #endif
