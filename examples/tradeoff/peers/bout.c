@@ -13,7 +13,7 @@
 #define RAY_PIXELS 2500 /* about as many */
 
 const char *const truth_names[TRUTHS] = {"scene", "height field"};
-const char *const presets[PRESETS] = {"balanced", "quality", "sampled", "gtao"};
+const char *const presets[PRESETS] = {"balanced", "quality", "sampled", "gtao", "bitmask"};
 
 void die(int code, const char *format, ...)
 {
@@ -205,17 +205,23 @@ static void add_peer(bout *b, int peer)
     }
 }
 
+static int has_reach(int preset)
+{
+    hbil_config config;
+
+    return hbil_config_preset(presets[preset], &config, NULL) == HBIL_OK && config.reach > 0.0f;
+}
+
 /* Ours under the same conventions. Large: presets with a reach lose it. Best: of these two and the powers, by
  * ao_exponent. */
 static void add_preset(bout *b, int preset)
 {
     const char *const bases[] = {"", "reach=0"};
-    const int         count = strcmp(presets[preset], "gtao") == 0 ? 2 : 1; /* the only one with a reach */
     choice            best[TRUTHS] = {{0.0, 0, 0.0f}, {0.0, 0, 0.0f}};
     int               i, truth;
     row              *r;
 
-    for (i = 0; i < count; ++i) {
+    for (i = 0; i < (has_reach(preset) ? 2 : 1); ++i) {
         r = add_row(b, OURS, i == 0 ? AS_SHIPPED : AS_LARGE, 0);
         r->preset = preset;
         r->o = open_ours(b, preset, bases[i]);

@@ -15,7 +15,7 @@
 enum { SCENE, HEIGHT_FIELD, TRUTHS };
 enum { EQUAL_TAPS, EQUAL_TIME, TERMS };
 enum { EXIT_USAGE = 2, EXIT_FRAME = 3, EXIT_NO_PEERS = 4, EXIT_RUN = 5 };
-enum { PRESETS = 4, OURS = -1 };
+enum { PRESETS = 5, OURS = -1 };
 
 extern const char *const truth_names[TRUTHS];
 extern const char *const presets[PRESETS];

@@ -96,7 +96,7 @@ static void put_pair(const bout *b, int preset, int truth, int peer, int terms, 
         won = own->e[truth].rmse <= other->e[truth].rmse;
         t->asked[preset][truth][peer][terms][convention]++;
         t->won[preset][truth][peer][terms][convention] += won;
-        printf(" %.4f : %.4f%s (%d : %d taps, %.2f ms) |", own->e[truth].rmse, other->e[truth].rmse,
+        printf(" %.4f : %.4f%s (%d : %d taps, time x %.2f) |", own->e[truth].rmse, other->e[truth].rmse,
                won ? "" : " **loses**", own->taps, other->taps, other->median / own->median);
     }
     putchar('\n');
@@ -107,7 +107,7 @@ void report_bout(const bout *b, tally *t)
     int preset, truth, peer, terms;
 
     printf("\n## %s, %dx%d\n\n", b->name, b->cap.width, b->cap.height);
-    puts("Ours : theirs, rmse; in brackets the taps, and their time as a part of ours.\n");
+    puts("Ours : theirs, rmse; in brackets the taps, and their time over ours.\n");
     printf("| preset | truth | against | at |");
     for (terms = 0; terms < CONVENTIONS; ++terms) printf(" %s |", convention_names[terms]);
     puts("\n|---|---|---|---|---|---|---|");

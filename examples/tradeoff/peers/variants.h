@@ -19,7 +19,7 @@ extern const int peer_rungs[PEERS][RUNGS_MAX];
 /* Settings that AS_BEST chooses from with the truth in hand: points of a grid, and powers of the result, by the uniform
  * power_names[] of the package (three.js takes it before it denoises, n8ao after that). */
 int   variant_grid(int peer);
-#define POWERS 5
+#define POWERS 7
 extern const float       powers[POWERS];
 extern const char *const power_names[PEERS];
 
