@@ -27,7 +27,9 @@ case "${1-}" in
     build) wanted=$build ;;
     test)  wanted="$build $test" ;;
     blender) wanted=blender ;;
-    peers) wanted='nodejs npm' ;;
+    peers) wanted='nodejs npm'
+           # a node from elsewhere brings its own npm, and Debian's npm refuses to stand beside it
+           if command -v node >/dev/null && command -v npm >/dev/null; then wanted=; fi ;;
     *)     echo "usage: sh packages.sh build|test|blender|peers" >&2; exit 2 ;;
 esac
 
