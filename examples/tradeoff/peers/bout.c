@@ -143,6 +143,7 @@ typedef struct choice {
     double rmse;
     int    point;
     float  power;
+    int    known;
 } choice;
 
 static void try_powers(const bout *b, ours *o, peer_pass *p, int point, choice best[TRUTHS])
@@ -154,16 +155,16 @@ static void try_powers(const bout *b, ours *o, peer_pass *p, int point, choice b
     for (truth = 0; truth < TRUTHS; ++truth)
         for (k = 0; k < POWERS; ++k) {
             const errors e = compare(&ao, &b->cap, truth, powers[k]);
-            const choice c = {e.rmse, point, powers[k]};
+            const choice c = {e.rmse, point, powers[k], 1};
 
-            if (e.known && (best[truth].power == 0.0f || e.rmse < best[truth].rmse)) best[truth] = c;
+            if (e.known && (!best[truth].known || e.rmse < best[truth].rmse)) best[truth] = c;
         }
     image_free(&ao);
 }
 
 static void add_best(bout *b, int peer, int rung, float large)
 {
-    choice best[TRUTHS] = {{0.0, 0, 0.0f}, {0.0, 0, 0.0f}};
+    choice best[TRUTHS] = {{0.0, 0, 0.0f, 0}, {0.0, 0, 0.0f, 0}};
     int    point, truth;
 
     for (point = 0; point < variant_grid(peer); ++point) {
@@ -176,7 +177,7 @@ static void add_best(bout *b, int peer, int rung, float large)
         row   *r;
         size_t length;
 
-        if (best[truth].power == 0.0f) continue;
+        if (!best[truth].known) continue;
         r = add_row(b, peer, AS_BEST, truth);
         r->p = load(b, peer, AS_BEST, rung, best[truth].point);
         if (!peer_set(r->p, power_names[peer], best[truth].power))
@@ -217,7 +218,7 @@ static int has_reach(int preset)
 static void add_preset(bout *b, int preset)
 {
     const char *const bases[] = {"", "reach=0"};
-    choice            best[TRUTHS] = {{0.0, 0, 0.0f}, {0.0, 0, 0.0f}};
+    choice            best[TRUTHS] = {{0.0, 0, 0.0f, 0}, {0.0, 0, 0.0f, 0}};
     int               i, truth;
     row              *r;
 
@@ -229,7 +230,7 @@ static void add_preset(bout *b, int preset)
         try_powers(b, r->o, NULL, i, best);
     }
     for (truth = 0; truth < TRUTHS; ++truth) {
-        if (best[truth].power == 0.0f) continue;
+        if (!best[truth].known) continue;
         r = add_row(b, OURS, AS_BEST, truth);
         r->preset = preset;
         snprintf(r->settings, sizeof r->settings, "%s%sao_exponent=%g", bases[best[truth].point],

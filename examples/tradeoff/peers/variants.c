@@ -15,7 +15,7 @@
 const char *const peer_names[PEERS] = {"three", "n8ao"};
 const char *const convention_names[CONVENTIONS] = {"as shipped", "large", "best"};
 const int         peer_rungs[PEERS][RUNGS_MAX] = {{3, 6, 9, 16, 30}, {4, 8, 16, 36, 64}};
-const float       powers[POWERS] = {1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
+const float       powers[POWERS] = {0.5f, 0.75f, 1.0f, 1.5f, 2.0f, 3.0f, 5.0f};
 const char *const power_names[PEERS] = {"scale", "intensity"};
 
 enum { RADII = 6 };
