@@ -4,6 +4,7 @@
 #   sh packages.sh build     what shadergen and hbil-frame need, drivers included
 #   sh packages.sh test      that, and what the tests need
 #   sh packages.sh blender   Blender with Cycles, about 600 MB: for examples/blender; its test is skipped without it
+#   sh packages.sh peers     node and npm, for hbil-peers; its test is skipped without them
 #
 # Says what it installs; does nothing, and needs no rights, where nothing is lacking. Where dpkg and apt-get are missing it
 # prints the list and succeeds: the build will name what it does not find.
@@ -28,7 +29,10 @@ case "${1-}" in
     build) wanted=$build ;;
     test)  wanted="$build $test" ;;
     blender) wanted=blender ;;
-    *)     echo "usage: sh packages.sh build|test|blender" >&2; exit 2 ;;
+    peers) wanted='nodejs npm'
+           # a node from elsewhere brings its own npm, and Debian's npm refuses to stand beside it
+           if command -v node >/dev/null && command -v npm >/dev/null; then wanted=; fi ;;
+    *)     echo "usage: sh packages.sh build|test|blender|peers" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
