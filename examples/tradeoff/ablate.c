@@ -187,24 +187,26 @@ static int set_rival(ablation *a, const hbil_config *config)
 
 static double bytes_of(const verdict *v) { return v->cost.bytes_read + v->cost.bytes_written; }
 
-/* Has any output lost more than the tolerance against the full config? */
-static int is_good(const ablation *a, const verdict *v)
+/* Has no output lost more than the tolerance against another config? */
+static int is_as_good(const ablation *a, const verdict *v, const verdict *as, double tolerance)
 {
     int k;
 
     for (k = 0; k < OUTS; k++) {
-        const double full = error_of(a, &a->full.out[k]), now = error_of(a, &v->out[k]);
+        const double other = error_of(a, &as->out[k]), now = error_of(a, &v->out[k]);
 
-        if (isfinite(full) && !(now <= full * (1.0 + a->tolerance) + SLACK)) return 0;
+        if (isfinite(other) && !(now <= other * (1.0 + tolerance) + SLACK)) return 0;
     }
     return 1;
 }
 
-/* Faster; or as fast, with less to read and write. */
-static int is_cheaper(const verdict *v, const verdict *than)
+/* Faster; or as fast, with less to read and write; or, without an option, as fast and as good. */
+static int is_smaller(const ablation *a, const verdict *v, const verdict *than, const feature *f)
 {
-    return !v->time.within_noise ? v->time.median < 1.0
-                                 : v->cost.fetches + bytes_of(v) < than->cost.fetches + bytes_of(than);
+    const double saved = than->cost.fetches + bytes_of(than) - v->cost.fetches - bytes_of(v);
+
+    if (!v->time.within_noise) return v->time.median < 1.0;
+    return saved > 0.0 || (saved >= 0.0 && !f->compat && is_as_good(a, v, than, 0.0));
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
@@ -312,7 +314,8 @@ static int drop_greedily(ablation *a, verdict *best)
         if (!drop(&best->config, &features[order[i]], &c)) continue;
         progress_show(&a->s, 0.5 + 0.5 * i / count, features[order[i]].name);
         code = judge(a, &c, &v);
-        if (code != TRADE_DONE || !is_good(a, &v) || !is_cheaper(&v, best)) continue;
+        if (code != TRADE_DONE || !is_as_good(a, &v, &a->full, a->tolerance)
+            || !is_smaller(a, &v, best, &features[order[i]])) continue;
         *best = v;
         printf("- without %s\n", features[order[i]].name);
         code = set_rival(a, &best->config);

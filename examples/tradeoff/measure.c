@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "../../backends/hbil_glslang.h"
 #include "../../shadergen/cost.h"
 #include "metrics.h"
 
@@ -14,10 +15,16 @@
 
 int measure_cost(settings *s, const hbil_plan *plan, price *out)
 {
-    cost_total total;
+    static cost_cache counted; /* of the whole run: configs share most of their passes */
+    cost_total        total;
+    int               ok = hbil_glslang_init();
 
     memset(&total, 0, sizeof total);
-    if (cost_of_plan(plan, NULL, &total) != DONE)
+    if (ok) {
+        ok = cost_of_plans(plan, &counted, &total) == DONE;
+        hbil_glslang_shutdown();
+    }
+    if (!ok)
         return frame_error(s->error, sizeof s->error, "the cost cannot be counted, see above"), TRADE_BACKEND;
     out->fetches = total.fixed.access[COST_FETCH] + total.fixed.access[COST_LOAD] + total.loops.access[COST_FETCH]
                   + total.loops.access[COST_LOAD];

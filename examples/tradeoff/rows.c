@@ -197,10 +197,10 @@ static size_t make_row(char *text, size_t size, const char *left, int output, co
 {
     const errors *e = &m->out[output];
     const times  *t = &m->time;
-    const double head[] = {
+    const double  head[] = {
         t->min, t->median, t->max, t->runs, m->cost.fetches, m->cost.bytes_read, m->cost.bytes_written,
-        m->cost.registers, e->rmse_sampling, e->rmse_estimator, e->rmse_model, e->bias_model, e->p95_model, e->rmse_field, e->bias_field,
-        e->flicker};
+        m->cost.registers, e->rmse_sampling, e->rmse_estimator, e->rmse_model, e->bias_model, e->p95_model,
+        e->rmse_field, e->bias_field, e->flicker};
     size_t        used = (size_t)snprintf(text, size, "%s,%s,", left, out_names[output]), i;
 
     for (i = 0; i < sizeof head / sizeof *head; i++) used = put_number(text, used, size, head[i]);
