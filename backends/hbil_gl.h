@@ -61,7 +61,8 @@
  *   with it, since GL keeps the first only.
  *
  * Integration in five steps
- *   1. Plan: hbil_config c = {0}; c.target = HBIL_TARGET_GL; (or HBIL_TARGET_GLES, c.stage = HBIL_STAGE_FRAGMENT) hbil_plan_build(&c, &plan, &diags);
+ *   1. Plan: hbil_config c = {0}; c.target = HBIL_TARGET_GL; hbil_plan_build(&c, &plan, &diags);
+ *      Or HBIL_TARGET_GLES; and c.stage = HBIL_STAGE_FRAGMENT where there are no compute shaders.
  *   2. With your context current:
  *          static void *get_proc(void *user, const char *name) { (void)user; return SDL_GL_GetProcAddress(name); }
  *          static char scratch[HBIL_GLSL_MAX];
@@ -377,7 +378,8 @@ enum {
 static const unsigned hbil_gl__capabilities[] = { 0x0B71 /* GL_DEPTH_TEST */, 0x0B90 /* GL_STENCIL_TEST */,
     0x0C11 /* GL_SCISSOR_TEST */, 0x0B44 /* GL_CULL_FACE */, 0x8C89 /* GL_RASTERIZER_DISCARD */, 0x0BF2 /* GL_COLOR_LOGIC_OP */,
     0x3000, 0x3001, 0x3002, 0x3003, 0x3004, 0x3005, 0x3006, 0x3007 /* GL_CLIP_DISTANCE0... */ };
-enum { HBIL_GL__CAPABILITIES = sizeof hbil_gl__capabilities / sizeof *hbil_gl__capabilities, HBIL_GL__TARGETS = 8 };
+enum { HBIL_GL__CAPABILITIES = sizeof hbil_gl__capabilities / sizeof *hbil_gl__capabilities, HBIL_GL__ES_CAPABILITIES = 5,
+       HBIL_GL__TARGETS = 8 };
 
 /* Targets by hbil_dim. level: what glGetTexLevelParameteriv takes. */
 static const struct { unsigned target, binding, level; const char *name; } hbil_gl__targets[HBIL_GL__DIMS] = {
@@ -827,7 +829,7 @@ static hbil_gl_result hbil_gl__set_textures(hbil_gl *ctx, uint32_t width, uint32
 static void hbil_gl__save_draw(const hbil_gl *ctx, hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? HBIL_GL__ES_CAPABILITIES : HBIL_GL__CAPABILITIES;
     gl->getIntegerv(HBIL_GL__DRAW_FRAMEBUFFER_BINDING, &s->framebuffer);
     gl->getIntegerv(HBIL_GL__VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->getIntegerv(HBIL_GL__VIEWPORT, s->viewport);
@@ -847,7 +849,7 @@ static void hbil_gl__save_draw(const hbil_gl *ctx, hbil_gl__state *s)
 static void hbil_gl__begin_draw(const hbil_gl *ctx)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? HBIL_GL__ES_CAPABILITIES : HBIL_GL__CAPABILITIES;
     gl->bindVertexArray(ctx->vertex_array);
     if (!ctx->es) gl->polygonMode(HBIL_GL__FRONT_AND_BACK, HBIL_GL__FILL);
     for (i = 0; i < count; ++i) gl->disable(hbil_gl__capabilities[i]);
@@ -858,7 +860,7 @@ static void hbil_gl__begin_draw(const hbil_gl *ctx)
 static void hbil_gl__restore_draw(const hbil_gl *ctx, const hbil_gl__state *s)
 {
     const hbil_gl_functions *gl = &ctx->gl;
-    unsigned i, count = ctx->es ? 5u : (unsigned)HBIL_GL__CAPABILITIES;
+    unsigned i, count = ctx->es ? HBIL_GL__ES_CAPABILITIES : HBIL_GL__CAPABILITIES;
     gl->bindFramebuffer(HBIL_GL__DRAW_FRAMEBUFFER, (unsigned)s->framebuffer);
     gl->bindVertexArray((unsigned)s->vertex_array);
     gl->viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);

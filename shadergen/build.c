@@ -1,7 +1,6 @@
 /* build.c - see build.h. */
 #include "build.h"
 
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../backends/hbil_glslang.h"
 
 #include <errno.h>
@@ -12,6 +11,12 @@
 #define WORDS_MAX 65536 /* SPIR-V words of one pass */
 
 static char compiler_log[8192];
+
+int no_memory(void)
+{
+    fprintf(stderr, "shadergen: out of memory\n");
+    return IO;
+}
 
 static hbil_glslang_result compile(const char *text, hbil_target target, file *f)
 {
@@ -111,8 +116,7 @@ int build_pass(const hbil_plan *plan, int32_t pass, language l, const hook_file 
         int i;
         for (i = 0; i < diags.count && i < diags.capacity; ++i)
             fprintf(stderr, "shadergen: %s%s%s\n", hook->path ? hook->path : "", hook->path ? ": " : "", items[i].text);
-        if (!diags.count) fprintf(stderr, "shadergen: out of memory\n");
-        return diags.count ? CONFIG : IO;
+        return diags.count ? CONFIG : no_memory();
     }
     return l == GLSL ? DONE : translate(plan, pass, l, hook, f);
 }
@@ -123,7 +127,7 @@ int build_vertex(const hbil_plan *plan, file *f)
     hbil_emit_vertex(plan, NULL, 0, &need);
     f->data = (char *)malloc(need);
     f->size = need - 1;
-    return f->data && hbil_emit_vertex(plan, f->data, need, NULL) == HBIL_OK ? DONE : IO;
+    return f->data && hbil_emit_vertex(plan, f->data, need, NULL) == HBIL_OK ? DONE : no_memory();
 }
 
 int build_manifest(const hbil_plan *plan, file *f)
@@ -132,5 +136,5 @@ int build_manifest(const hbil_plan *plan, file *f)
     hbil_emit_manifest(plan, NULL, 0, &need);
     f->data = (char *)malloc(need);
     f->size = need - 1;
-    return f->data && hbil_emit_manifest(plan, f->data, need, NULL) == HBIL_OK ? DONE : IO;
+    return f->data && hbil_emit_manifest(plan, f->data, need, NULL) == HBIL_OK ? DONE : no_memory();
 }

@@ -14,6 +14,8 @@ typedef enum language { GLSL, SPIRV, HLSL_5, HLSL_6, MSL } language;
 /* The function of environment=hook: its file and what is in it, both NULL without --hook. */
 typedef struct hook_file { const char *path; char *text; } hook_file;
 
+/* Says so on stderr. IO */
+int   no_memory(void);
 /* Text of a pass, malloc'd; size without its terminator. NULL: diags say why, or out of memory if they say nothing. */
 char *build_glsl(const hbil_plan *plan, int32_t pass, const char *hook, size_t *size, hbil_diags *diags);
 /* A pass in a language into f->data. glslang must run (hbil_glslang_init) for all but GLSL. An exit code. */

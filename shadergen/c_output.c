@@ -152,7 +152,7 @@ static void put_words(text *t, const char *name, const file *spirv)
 }
 
 /* A line a string: C99 promises no longer ones, and glShaderSource takes them so. */
-static unsigned put_lines(text *t, const char *name, const char *s)
+static void put_lines(text *t, const char *name, const char *s)
 {
     unsigned lines = 0;
     const char *at;
@@ -165,7 +165,6 @@ static unsigned put_lines(text *t, const char *name, const char *s)
         if (*s) ++s;
     }
     put(t, "};\n");
-    return lines;
 }
 
 static int put_pass(text *t, const hbil_plan *plan, int32_t pass, const names *n, const hook_file *hook)
@@ -240,8 +239,7 @@ int build_c(const hbil_plan *plan, int32_t only, const char *name, const hook_fi
     if (code == DONE && plan->config.stage == HBIL_STAGE_FRAGMENT) code = put_vertex(&t, plan, &n);
     put_table(&t, plan, only, &n);
     put(&t, "\n#endif\n");
-    if (code == DONE && t.failed) fprintf(stderr, "shadergen: out of memory\n");
-    if (code == DONE && t.failed) code = IO;
+    if (code == DONE && t.failed) code = no_memory();
     if (code != DONE) { free(t.data); return code; }
     f->data = t.data;
     f->size = t.size;

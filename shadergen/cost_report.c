@@ -175,8 +175,7 @@ int cost_of_plans(const hbil_plan *plan, cost_cache *c, cost_total *out)
     cost *one = (cost *)malloc(sizeof *one);
     int code = as_vulkan(plan, &vulkan);
     if (!one) {
-        fprintf(stderr, "shadergen: out of memory\n");
-        return IO;
+        return no_memory();
     }
     if (code == DONE) code = count_plan(&vulkan, NULL, c, one, out);
     free(one);

@@ -70,7 +70,6 @@ typedef struct matrix_job {
     FILE       *journal;
 } matrix_job;
 
-int    no_memory(void);                   /* says so; IO */
 double seconds(void);                     /* of a clock that never steps */
 /* matrix_list.c */
 int    list_read(matrix_job *m);          /* the file to variants, refused ones too. An exit code, as what follows */

@@ -103,7 +103,7 @@ static int store(matrix_job *m, slot *s, const source *from, const void *data, s
         snprintf(f->path, sizeof f->path, "%s%s", m->folder, s->file);
         ok = files_write(&one, m->check ? &differs : NULL);
     } else {
-        fprintf(stderr, "shadergen: out of memory\n");
+        no_memory();
     }
     m->stale += differs;
     files_free(&one);

@@ -90,12 +90,6 @@ void variants_free(variants *list)
     memset(list, 0, sizeof *list);
 }
 
-int no_memory(void)
-{
-    fprintf(stderr, "shadergen: out of memory\n");
-    return IO;
-}
-
 /* ---------------------------------------------------------------------- reading */
 
 /* An option, or preset, and its values. */

@@ -276,7 +276,7 @@ static int explain(const char *name)
     printf("%s\n  meaning   %s\n  unit      %s\n  range     ", o->name, o->meaning,
            !*o->unit ? "none" : strcmp(o->unit, "1") ? o->unit : "1 (a ratio)");
     print_range(o);
-    printf("\n  default   %s\n  stage     baked%s\n", def, o->dynamic ? "; dynamic if named in the option dynamic" : "");
+    printf("\n  default   %s\n  baked     %s\n", def, o->dynamic ? "unless the option dynamic names it" : "always");
     if (*o->applies) printf("  applies   if %s\n", o->applies);
     printf("  source    %s\n", o->source);
     return DONE;
@@ -356,7 +356,7 @@ static int add_file(const hbil_plan *plan, int32_t pass, int format, const hook_
     file *f = files_add(outputs);
     const char *name = "hbil_shaders", *suffix = ".h";
     int code;
-    if (!f) return IO;
+    if (!f) return no_memory();
     if (format == MANIFEST) {
         code = build_manifest(plan, f);
         name = "plan";
@@ -394,14 +394,17 @@ static int add_rule(const hbil_plan *plan, const hook_file *hook, const argument
     int i, count = outputs->count;
     file *stamp = a->stamp ? files_add(outputs) : NULL, *rule;
     char *text;
-    if (a->stamp && (!stamp || !file_place(stamp, a->stamp, "", "") || !(stamp->data = (char *)malloc(32)))) return IO;
+    if (a->stamp && (!stamp || !(stamp->data = (char *)malloc(32)))) return no_memory();
+    if (stamp && !file_place(stamp, a->stamp, "", "")) return IO;
     if (stamp) stamp->size = (size_t)snprintf(stamp->data, 32, "%016llx\n", (unsigned long long)plan->hash);
     if (!a->depfile) return DONE;
     for (i = 0; i < source_count; ++i) room += 2 * strlen(sources[i].path) + 4;
     room += (size_t)(count + 2) * 2 * sizeof outputs->items[0].path;
     rule = files_add(outputs);
     text = (char *)calloc(room, 1);
-    if (!rule || !text || !file_place(rule, a->depfile, "", "")) { free(text); return IO; }
+    if (!rule || !text) { free(text); return no_memory(); }
+    rule->data = text;
+    if (!file_place(rule, a->depfile, "", "")) return IO;
     if (a->stamp) put_escaped(text, room, a->stamp);
     else for (i = 0; i < count; ++i) {
         if (i) strcat(text, " ");
@@ -418,7 +421,6 @@ static int add_rule(const hbil_plan *plan, const hook_file *hook, const argument
         put_escaped(text, room, hook->path);
     }
     strcat(text, "\n");
-    rule->data = text;
     rule->size = strlen(text);
     return DONE;
 }
@@ -607,6 +609,7 @@ static int run_action(const arguments *a)
 
 static int check_arguments(const arguments *a)
 {
+    if (a->cost && strcmp(a->output, "-")) return usage("--cost prints to the standard output: leave -o out", "");
     if (a->json) return usage("--json belongs to --list-options", "");
     if (format_of(a->format) < 0) return usage("--format must be glsl, spirv, c, manifest, hlsl, hlsl6, msl or essl, not ", a->format);
     if (strcmp(a->error_format, "gcc") && strcmp(a->error_format, "msvc"))
@@ -643,7 +646,7 @@ static int run(int argc, char **argv)
     if (a.action) return print_config(&config);
     if (a.cost) return report_cost(&plan, &a);
     compiles = format_of(a.format) != GLSL && format_of(a.format) != MANIFEST;
-    if (compiles && !hbil_glslang_init()) return usage("glslang does not start", "");
+    if (compiles && !hbil_glslang_init()) return no_memory();
     code = generate(&plan, &a);
     if (compiles) hbil_glslang_shutdown();
     return code;

@@ -498,6 +498,19 @@ void environment_radiance(const environment *env, const double direction[3], dou
     if (env->kind == HBIL_ENVIRONMENT_CUBE) read_cube(&env->cube, d, rgb);
 }
 
+void environment_view_radiance(const void *data, const double direction[3], double rgb[3])
+{
+    const environment_view *v = data;
+    double                  world[3];
+    int                     c;
+
+    for (c = 0; c < 3; ++c) { /* columns of a rotation are rows of its inverse */
+        const float *m = v->view + 4 * c;
+        world[c] = (double)m[0] * direction[0] + (double)m[1] * direction[1] + (double)m[2] * direction[2];
+    }
+    environment_radiance(v->light, world, rgb);
+}
+
 void environment_irradiance(const environment *env, const double normal[3], double rgb[3])
 {
     int c;

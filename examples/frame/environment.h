@@ -43,6 +43,9 @@ int  environment_encode(const environment *env, const hbil_plan *plan, hbil_fram
 environment environment_at(const environment *env, const double position[3]);
 /* Radiance from a world direction of any length. A cube map is read bilinear within its face. */
 void environment_radiance(const environment *env, const double direction[3], double rgb[3]);
+/* The same from a view direction, as ray tracers of a depth buffer ask for it: data is an environment_view. view: column-major, rigid. */
+typedef struct environment_view { const environment *light; const float *view; } environment_view;
+void environment_view_radiance(const void *data, const double direction[3], double rgb[3]);
 /* E/pi of an open surface with this unit normal. A cube map is summed over all of its texels: slow. */
 void environment_irradiance(const environment *env, const double normal[3], double rgb[3]);
 

@@ -844,7 +844,7 @@ static void print_summary(const session *s)
     printf("textures   %.1f MiB of its own\n", (double)hbil_plan_memory(&s->plan, s->frame.width, s->frame.height) / 1048576.0);
     printf("\n%-10s %9s %9s %9s   ms, %d run%s, %s\n", "pass", "min", "median", "max", s->args.repeat,
            s->args.repeat > 1 ? "s" : "", about->timing);
-    for (k = 0; k <= (int)s->plan.pass_count; k++)
+    for (k = 0; k <= (int)s->plan.pass_count && strncmp(about->timing, "none", 4); k++)
         printf("%-10s %9.3f %9.3f %9.3f\n", k < (int)s->plan.pass_count ? s->plan.passes[k].name : "total",
                s->times[k].min, s->times[k].median, s->times[k].max);
     print_errors(s);

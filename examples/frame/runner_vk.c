@@ -13,7 +13,6 @@
 #define HBIL_VK_IMPLEMENTATION
 #include "../../hbil.h"
 #include "../../backends/hbil_vk.h"
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../../backends/hbil_glslang.h"
 #include "runner_internal.h"
 

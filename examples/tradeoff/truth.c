@@ -92,21 +92,6 @@ static int cache_write(settings *s, const char *path, const image out[OUTS])
 
 /* ---- the height field -------------------------------------------------------------------------------------------- */
 
-typedef struct view { const environment *light; const float *matrix; } view;
-
-static void sky_radiance(const void *data, const double direction[3], double rgb[3])
-{
-    const view *v = data;
-    double      world[3];
-    int         c;
-
-    for (c = 0; c < 3; ++c) {
-        const float *m = v->matrix + 4 * c;
-        world[c] = (double)m[0] * direction[0] + (double)m[1] * direction[1] + (double)m[2] * direction[2];
-    }
-    environment_radiance(v->light, world, rgb);
-}
-
 static bf_grid field_grid(const capture *cap)
 {
     const double pixels = (double)cap->width * cap->height;
@@ -144,7 +129,7 @@ static int spread_field(const bf_pixel *rays, bf_grid grid, const capture *cap, 
 
 static int trace_field(settings *s, const capture *cap, image out[OUTS])
 {
-    const view    v = {&s->light, cap->view};
+    const environment_view    v = {&s->light, cap->view};
     const bf_grid grid = field_grid(cap);
     bf_scene      scene;
     bf_pixel     *rays = malloc((size_t)grid.columns * (size_t)grid.rows * sizeof *rays);
@@ -156,7 +141,7 @@ static int trace_field(settings *s, const capture *cap, image out[OUTS])
     scene.sky_depth = 1e9;
     scene.normal = cap->normal.data;
     scene.radiance = cap->direct.data;
-    scene.sky = sky_radiance;
+    scene.sky = environment_view_radiance;
     scene.sky_data = &v;
     if (!s->quiet)
         fprintf(stderr, "hbil-tradeoff: tracing the height field, %d pixels of %d rays\n", grid.columns * grid.rows,

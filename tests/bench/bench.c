@@ -2,7 +2,6 @@
  * but the core itself. Sizes and compile times of the header: compile.sh. */
 #define HBIL_IMPLEMENTATION
 #include "../../hbil.h"
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../../backends/hbil_glslang.h"
 
 #include <stdio.h>

@@ -76,25 +76,10 @@ static value compare_rays(const image *far, const bf_pixel *rays, bf_grid grid)
 
 /* ---------------------------------------------------------------------- one capture */
 
-typedef struct view { const environment *sky; const float *matrix; } view;
-
-static void sky_radiance(const void *data, const double direction[3], double rgb[3])
-{
-    const view *v = data;
-    double      world[3];
-    int         c;
-
-    for (c = 0; c < 3; ++c) {
-        const float *m = v->matrix + 4 * c;
-        world[c] = (double)m[0] * direction[0] + (double)m[1] * direction[1] + (double)m[2] * direction[2];
-    }
-    environment_radiance(v->sky, world, rgb);
-}
-
 /* Far light of the height field under the captures' sky. */
 static bf_pixel *run_rays(const job *j, const capture *cap, bf_grid grid)
 {
-    const view v = {&j->sky, cap->view};
+    const environment_view v = {&j->sky, cap->view};
     bf_scene   scene;
     bf_pixel  *out = malloc((size_t)grid.columns * (size_t)grid.rows * sizeof *out);
 
@@ -103,7 +88,7 @@ static bf_pixel *run_rays(const job *j, const capture *cap, bf_grid grid)
     scene.depth = cap->depth.data;
     scene.sky_depth = 1e9;
     scene.normal = cap->normal.data;
-    scene.sky = sky_radiance;
+    scene.sky = environment_view_radiance;
     scene.sky_data = &v;
     if (!out || !bf_run(&scene, grid, RAYS, out)) die(5, "out of memory for the rays");
     return out;

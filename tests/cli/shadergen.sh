@@ -119,6 +119,9 @@ expect 2 --error-format clang
 says 'gcc or msvc'
 expect 2 --json
 says '--list-options'
+expect 2 --cost -o costs.txt
+says '--cost prints'
+absent costs.txt
 expect 2 --check
 says '--check compares files'
 expect 2 --depfile d.d

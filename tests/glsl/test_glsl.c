@@ -5,7 +5,6 @@
 #define HBIL_IMPLEMENTATION
 #include "../test.h"
 #include "../matrix.h"
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../../backends/hbil_glslang.h"
 
 #include <spirv-tools/libspirv.h>

@@ -4,9 +4,11 @@
 
 #define HBIL_IMPLEMENTATION
 #include "../test.h"
-#define HBIL_GLSLANG_IMPLEMENTATION
 #include "../../backends/hbil_glslang.h"
 #include "../../shadergen/build.h"
+
+#include <glslang/Include/glslang_c_interface.h>
+#include <glslang/Public/resource_limits_c.h>
 
 #define WORDS 65536
 

@@ -410,7 +410,8 @@ static int check_against_brute_force(const char *name, const hbil_config *config
 
 static int check_surface(const char *name)
 {
-    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 16, .steps = 384,
+    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 16,
+                                .steps = getenv("HBIL_LONG") ? 1024 : 384, /* enough for 107 columns */
                                 .sampling = HBIL_SAMPLING_BILINEAR};
     return check_against_brute_force(name, &config, 4, getenv("HBIL_LONG") ? 160 : 107, &k_goal);
 }
