@@ -37,8 +37,9 @@ static void print_help(FILE *out)
           "  --max-rmse E    the fastest within this error\n"
           "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
           "                  there. all: each frame in turn\n"
-          "  --anchor P      with --holdout: what preset or config hash P measured on F is known, too. Scenes differ\n"
-          "                  more than configs: one run of P on a new frame tells how hard it is\n\n"
+          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too; that whose\n"
+          "                  errors are most alike counts. Scenes differ more than configs: one run of a preset on a\n"
+          "                  new frame tells how hard it is\n\n"
           "both:\n"
           "  --output O      ao, near or far; default ao, for report all\n"
           "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling\n"
@@ -173,23 +174,25 @@ static int recommend(const csv *table, const arguments *a)
 static int compare(const points *others, const points *one, const point *best, const arguments *a)
 {
     const char  *hash = best->row->text[CSV_config_hash], *frame = one->frames[0]->text[CSV_frame];
-    const point *actual = points_find(one, hash), *anchor_there = NULL, *anchor = NULL;
+    const point *actual = points_find(one, hash), *there = NULL, *anchor = NULL;
     double       predicted, off;
 
     if (a->anchor) {
-        anchor_there = points_find(one, a->anchor);
-        anchor = points_find(others, a->anchor);
-        if (!anchor_there || !anchor) {
+        anchor = recommend_anchor(others, a->anchor, best, a->selection.error);
+        there = anchor ? points_find(one, anchor->row->text[CSV_config_hash]) : NULL;
+        if (!there) {
             printf("%s: %s is not measured on it and on all others: no anchor\n", frame, a->anchor);
             return 0;
         }
     }
-    predicted = recommend_predict(others, best, anchor, anchor ? anchor_there->error : 0.0);
+    predicted = recommend_predict(others, best, anchor, there ? there->row : NULL, a->selection.error);
     printf("%s: %s\n  predicted %s of %s %.4f from %d other frame%s", frame,
            best->row->text[CSV_config][0] ? best->row->text[CSV_config] : "the defaults",
            csv_number_name(a->selection.error), a->selection.output, predicted, others->frame_count,
                    others->frame_count == 1 ? "" : "s");
-    if (anchor) printf(" and from %s on this one (%.4f without)", a->anchor, best->error);
+    if (anchor)
+        printf(" and from %s on this one (%.4f without)",
+               anchor->row->text[CSV_preset][0] ? anchor->row->text[CSV_preset] : a->anchor, best->error);
     if (!actual) {
         puts("; not measured on it");
         return -1;
@@ -228,14 +231,19 @@ static int hold_out(const csv *table, const arguments *a, const char *frame)
     return within;
 }
 
-/* 1: no line before this one has its frame and the output. */
-static int is_first(const csv *table, int row, const char *output)
+static int has_error(const csv_row *row, const selection *s)
+{
+    return strcmp(row->text[CSV_output], s->output) == 0 && isfinite(row->number[s->error]);
+}
+
+/* 1: no line before this one has its frame and the error. */
+static int is_first(const csv *table, int row, const selection *s)
 {
     int i;
 
-    if (strcmp(table->rows[row].text[CSV_output], output) != 0) return 0;
+    if (!has_error(&table->rows[row], s)) return 0;
     for (i = 0; i < row; i++)
-        if (strcmp(table->rows[i].text[CSV_output], output) == 0
+        if (has_error(&table->rows[i], s)
             && strcmp(table->rows[i].text[CSV_frame], table->rows[row].text[CSV_frame]) == 0) return 0;
     return 1;
 }
@@ -247,7 +255,7 @@ static int hold_out_all(const csv *table, const arguments *a)
     for (i = 0; i < table->count; i++) {
         const char *frame = table->rows[i].text[CSV_frame];
 
-        if (!is_first(table, i, a->selection.output)) continue;
+        if (!is_first(table, i, &a->selection)) continue;
         if (strcmp(a->holdout, "all") != 0 && strcmp(a->holdout, frame) != 0) continue;
         found = 1;
         one = hold_out(table, a, frame);
@@ -258,7 +266,7 @@ static int hold_out_all(const csv *table, const arguments *a)
         fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame of %s. There are: all", a->holdout,
                 a->selection.output);
         for (i = 0; i < table->count; i++)
-            if (is_first(table, i, a->selection.output)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
+            if (is_first(table, i, &a->selection)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
         fputc('\n', stderr);
         return USAGE;
     }
