@@ -23,7 +23,7 @@ if [ "$got" -eq 5 ]; then cat "$work/log"; echo "skipped: no Vulkan device"; exi
 # ---- usage
 code 0 --help; says 'sweep'; says 'ablate'; says 'exit:'
 code 0 --version
-for command in sweep pair ablate; do code 0 $command --help; says -- '--cache'; done
+for command in sweep pair ablate growth; do code 0 $command --help; says -- '--cache'; done
 code 2; says 'must be sweep'
 code 2 swoop
 code 2 sweep --scene fence; says '--out'
@@ -90,4 +90,15 @@ noise() { awk -F, -v c="$1" '$8 == "move" && $11 == "ao" && (index($3, "temporal
 awk "BEGIN { exit !($(noise 1) < $(noise 0)) }" || fail "a history of three frames takes no noise away"
 code 0 ablate 'f0=scalar march=sweep slices=2 outputs=near' --frames "$work/captures/metal" $common --repeat 3
 awk -F'|' '/f0=none/ { found = $6 + 0 } END { exit !(found > 5) }' "$work/log" || { cat "$work/log"; fail "metals lose nothing without f0"; }
+
+# ---- how cost grows: at this size it may well be off
+code 2 growth --scene fence --part all; says 'fit or bound'
+code 1 growth --part bound --preset slow $frame; says 'slow'
+got=0
+"$tool" growth --frames "$work/captures/metal" $common --repeat 3 --preset fast,sampled -o "$work/growth.md" >"$work/log" 2>&1 || got=$?
+[ "$got" -le 1 ] || { cat "$work/log"; fail "exit $got of growth"; }
+[ "$(grep -c '^ns a pixel = ' "$work/growth.md")" -eq 2 ] || { cat "$work/growth.md"; fail "two laws expected"; }
+grep -q 'not\*\* within' "$work/growth.md" && law=1 || law=0
+[ "$got" -eq "$law" ] || { cat "$work/growth.md"; fail "exit $got does not say what the page says"; }
+[ "$(grep -c '^| fast\|^| sampled' "$work/growth.md")" -eq 3 ] || { cat "$work/growth.md"; fail "three passes expected"; }
 echo "all passed"
