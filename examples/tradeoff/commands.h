@@ -9,10 +9,12 @@ int  sweep_main(int argc, char **argv);
 int  pair_main(int argc, char **argv);
 int  ablate_main(int argc, char **argv);
 int  growth_main(int argc, char **argv);
+int  statements_main(int argc, char **argv);
 void sweep_help(void);
 void pair_help(void);
 void ablate_help(void);
 void growth_help(void);
+void statements_help(void);
 
 /* "hbil-tradeoff: " and s->error on stderr; returns code. */
 int  command_fail(const settings *s, int code);

@@ -1,5 +1,5 @@
 /* hbil-tradeoff - what accuracy costs on this device and these frames: sweeps options, compares two configs, drops
- * features, tells how cost grows. */
+ * features, tells how cost grows, checks what the articles say. */
 #include <stdio.h>
 #include <string.h>
 
@@ -18,8 +18,10 @@ static void help(void)
     ablate_help();
     putchar('\n');
     growth_help();
+    putchar('\n');
+    statements_help();
     fputs(
-        "\n  report, recommend: from the results of a sweep; hbil-tradeoff report --help tells more\n\n"
+        "\n  report, recommend, compare: from the results of sweeps; hbil-tradeoff report --help tells more\n\n"
         "frames and runs, in all but these:\n",
         stdout);
     settings_help();
@@ -49,10 +51,11 @@ int main(int argc, char **argv)
     if (strcmp(name, "pair") == 0) return pair_main(argc - 2, argv + 2);
     if (strcmp(name, "ablate") == 0) return ablate_main(argc - 2, argv + 2);
     if (strcmp(name, "growth") == 0) return growth_main(argc - 2, argv + 2);
+    if (strcmp(name, "statements") == 0) return statements_main(argc - 2, argv + 2);
     if (analysis_knows(name)) return analysis_main(argc, argv);
     fprintf(stderr,
-            "hbil-tradeoff: %s: must be sweep, pair, ablate, growth, report or recommend; hbil-tradeoff --help tells "
-            "more\n",
+            "hbil-tradeoff: %s: must be sweep, pair, ablate, growth, statements, report, recommend or compare; "
+            "hbil-tradeoff --help tells more\n",
             *name ? name : "no command");
     return TRADE_USAGE;
 }
