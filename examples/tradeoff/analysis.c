@@ -16,7 +16,7 @@ enum { DONE = 0, MISFIT = 1, USAGE = 2, FILES = 3 };
 #define TOLERANCE 0.25 /* of a prediction */
 
 typedef struct arguments {
-    const char *csv, *folder, *holdout, *anchor, *runs[2]; /* runs: the two of compare */
+    const char *csv, *folder, *holdout, *anchor, *like, *runs[2]; /* like: --as-fast-as; runs: of compare */
     selection   selection;
     wish        wish;
     int         pictures;
@@ -30,7 +30,7 @@ int analysis_knows(const char *word)
 static void print_help(FILE *out)
 {
     fputs("usage: hbil-tradeoff report --csv FILE -o DIR [options]\n"
-          "       hbil-tradeoff recommend --csv FILE (--budget-ms MS | --max-rmse E) [options]\n"
+          "       hbil-tradeoff recommend --csv FILE (--budget-ms MS | --as-fast-as P | --max-rmse E) [options]\n"
           "       hbil-tradeoff compare FIRST.csv SECOND.csv [options]\n"
           "Says what a sweep has measured: which configs are worth their time.\n\n"
           "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of each option\n"
@@ -39,6 +39,7 @@ static void print_help(FILE *out)
           "  --no-plots      tables only\n\n"
           "recommend: the best config that was measured, its neighbours on the front, and the shadergen command\n"
           "  --budget-ms MS  the least error within this time\n"
+          "  --as-fast-as P  within the time of this preset or config hash\n"
           "  --max-rmse E    the fastest within this error\n"
           "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
           "                  there. all: each frame in turn\n"
@@ -88,6 +89,7 @@ static int take(arguments *a, const char *name, const char *value)
     if (strcmp(name, "--backend") == 0) return a->selection.backend = value, 1;
     if (strcmp(name, "--device") == 0) return a->selection.device = value, 1;
     if (strcmp(name, "--budget-ms") == 0) return positive(value, &a->wish.budget_ms);
+    if (strcmp(name, "--as-fast-as") == 0) return a->like = value, 1;
     if (strcmp(name, "--max-rmse") == 0) return positive(value, &a->wish.max_rmse);
     if (strcmp(name, "--error") == 0) {
         a->selection.error = strncmp(value, "rmse_", 5) == 0 ? csv_number(value) : -1;
@@ -142,11 +144,26 @@ static void print_point(const char *what, const points *p, const selection *s, c
     free(command);
 }
 
-static int nothing_fits(const points *p, const selection *s)
+static const point *choose(const points *p, const arguments *a)
 {
-    const point *best = &p->list[p->count - 1];
-    char         message[512];
+    const point *like = a->like ? points_find(p, a->like) : NULL;
+    wish         w = a->wish;
 
+    if (a->like && !like) return NULL;
+    if (like) w.budget_ms = like->ms;
+    return recommend_choose(p, &w);
+}
+
+static int nothing_fits(const points *p, const arguments *a)
+{
+    const selection *s = &a->selection;
+    const point     *best = &p->list[p->count - 1];
+    char             message[512];
+
+    if (a->like && !points_find(p, a->like)) {
+        snprintf(message, sizeof message, "--as-fast-as %.200s: not measured on all frames. Sweep it", a->like);
+        return fail(MISFIT, message);
+    }
     while (!best->on_front) best--;
     snprintf(message, sizeof message,
              "nothing fits: the fastest of %d configs takes %.4g ms, the most accurate has a %s of %s of %.4f "
@@ -168,14 +185,14 @@ static int recommend(const csv *table, const arguments *a)
                  p.left_out, p.frame_count);
         fail(0, error);
     }
-    best = recommend_choose(&p, &a->wish);
+    best = choose(&p, a);
     if (best) {
         print_point("best", &p, &a->selection, best);
         if ((neighbour = recommend_neighbour(&p, best, -1)) != NULL)
             print_point("faster", &p, &a->selection, neighbour);
         if ((neighbour = recommend_neighbour(&p, best, 1)) != NULL) print_point("better", &p, &a->selection, neighbour);
     } else {
-        code = nothing_fits(&p, &a->selection);
+        code = nothing_fits(&p, a);
     }
     points_free(&p);
     return code;
@@ -232,9 +249,9 @@ static int hold_out(const csv *table, const arguments *a, const char *frame)
     s.only = frame;
     if (points_make(&one, table, &s, error, sizeof error)) {
         if (one.count > 1) points_keep(&others, &one);
-        best = others.count > 0 ? recommend_choose(&others, &a->wish) : NULL;
+        best = others.count > 0 ? choose(&others, a) : NULL;
         if (best) within = compare(&others, &one, best, a);
-        else if (others.count > 0) nothing_fits(&others, &a->selection);
+        else if (others.count > 0) nothing_fits(&others, a);
         else fail(0, "no config is measured on this frame and on all others");
         points_free(&one);
     } else {
@@ -335,8 +352,8 @@ int analysis_main(int argc, char **argv)
     if (a.runs[0]) return compare_runs(&a);
     reports = strcmp(argv[1], "report") == 0;
     if (reports && !a.folder) return fail(USAGE, "-o DIR is missing");
-    if (!reports && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)
-        return fail(USAGE, "--budget-ms or --max-rmse is missing");
+    if (!reports && !a.like && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)
+        return fail(USAGE, "--budget-ms, --as-fast-as or --max-rmse is missing");
     if (!csv_read(&table, a.csv, error, sizeof error)) return fail(FILES, error);
     if (table.note[0]) fail(0, table.note);
     if (!reports) {

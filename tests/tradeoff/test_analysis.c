@@ -614,6 +614,8 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
     assert_run(0, "recommend --csv %s --budget-ms 5",
                "best      slices=b (fast)\n          rmse_hf of ao 0.0894 (0.0400 to 0.1200 over 2");
     assert_run(0, "recommend --csv %s --budget-ms 5", "shadergen --set slices=b\n");
+    assert_run(0, "recommend --csv %s --as-fast-as c", "shadergen --set slices=b\n"); /* b is faster, and better */
+    assert_run(1, "recommend --csv %s --as-fast-as e", "--as-fast-as e: not measured on all frames");
     assert_run(0, "recommend --csv %s --max-rmse 0.3 --output near", "best      slices=d (balanced)");
     assert_run(1, "recommend --csv %s --budget-ms 1", "nothing fits: the fastest of 4 configs takes 1.414 ms");
     assert_run(1, "recommend --csv %s --budget-ms 1 --output far", "no rmse_hf of far is measured");
@@ -628,7 +630,7 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
                "predicted rmse_hf of ao 0.2000 from 2 other frames");
     assert_run(2, "recommend --csv %s --budget-ms 3 --holdout three",
                "no such frame of ao. There are: all one two new");
-    assert_run(2, "recommend --csv %s", "--budget-ms or --max-rmse is missing");
+    assert_run(2, "recommend --csv %s", "--budget-ms, --as-fast-as or --max-rmse is missing");
     assert_run(2, "recommend --csv %s --budget-ms -1", "--budget-ms -1: not understood");
     assert_run(2, "recommend --csv %s --budget-ms 1 --output bent", "--output bent: not understood");
     assert_run(2, "recommend --csv %s --budget-ms 1 --error bias_hf", "--error bias_hf: not understood");
