@@ -292,6 +292,7 @@ int analysis_main(int argc, char **argv)
     code = parse(argc, argv, &a);
     if (code != DONE) return code;
     reports = strcmp(argv[1], "report") == 0;
+    a.selection.ours = !reports; /* no shadergen command makes an external */
     if (reports && !a.folder) return fail(USAGE, "-o DIR is missing");
     if (!reports && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)
         return fail(USAGE, "--budget-ms or --max-rmse is missing");
