@@ -11,6 +11,7 @@
  *   [x] 2D, multisampled, array, cube and 3D textures; resources of your own for environment=hook
  *   [x] Any number of frames in flight without copies: constants are written on the device's own time line
  *   [x] Milliseconds per pass
+ *   [x] Passes of your own in a plan: your SPIR-V, entry point and uniform block
  *   [x] The first frame after a resize begins without history
  *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
  *   [ ] Mip chains: no plan has them yet
@@ -67,6 +68,7 @@
  *   5. Each frame, after your G-buffer: hbil_vk_record(&vk, cmd, &frame); submit as ever. At the end: hbil_vk_shutdown(&vk);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-27  NEW   hbil_vk_spirv.entry, hbil_vk.block; the nearest sampler clamps to the edge
  *   2026-11-25  NEW   frames smaller than the images; history needs no clearing
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook_layout, hook_set
  *   2026-11-22  NEW   first version
@@ -103,6 +105,7 @@ typedef enum hbil_vk_result { HBIL_VK_RESULTS(HBIL_VK__RESULT_ENUM) HBIL_VK_RESU
 typedef struct hbil_vk_spirv {
     const uint32_t *words;
     size_t          count;          /* of words, not bytes */
+    const char     *entry;          /* point; NULL: "main" */
 } hbil_vk_spirv;
 
 /* Zero it first. */
@@ -149,6 +152,8 @@ typedef struct hbil_vk {
     char     message[256];          /* why the last failed call failed, and what to do */
     uint32_t width, height;         /* of the last hbil_vk_resize, 0 before */
     VkDescriptorSet hook_set;       /* you set it: bound as set 1 where hook_layout applies. Read by hbil_vk_record */
+    const void *block;              /* you set it: NULL, or plan.constants_size bytes instead of those of hbil_pack_constants,
+                                       for a plan whose block you changed. Read by hbil_vk_record */
 
     /* private */
     hbil_vk__functions           fn;
@@ -379,10 +384,10 @@ static hbil_vk_result hbil_vk__allocate(hbil_vk *ctx, VkDeviceSize size, uint32_
 
 static hbil_vk_result hbil_vk__make_common(hbil_vk *ctx, int timestamps)
 {
-    HBIL_VK__STRUCT(VkSamplerCreateInfo, sampler, SAMPLER_CREATE_INFO); /* zero: nearest; only texelFetch uses it */
+    HBIL_VK__STRUCT(VkSamplerCreateInfo, sampler, SAMPLER_CREATE_INFO); /* zero: nearest; ours only texelFetch through it */
+    sampler.addressModeU = sampler.addressModeV = sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[0]));
     sampler.minFilter = sampler.magFilter = VK_FILTER_LINEAR; /* maxLod 0: level 0 */
-    sampler.addressModeU = sampler.addressModeV = sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[1]));
     if (timestamps) {
         HBIL_VK__STRUCT(VkQueryPoolCreateInfo, queries, QUERY_POOL_CREATE_INFO);
@@ -444,7 +449,7 @@ static hbil_vk_result hbil_vk__make_pipeline(hbil_vk *ctx, uint32_t p, const hbi
     module.pCode = spirv->words;
     pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    pipeline.stage.pName = "main";
+    pipeline.stage.pName = spirv->entry != NULL ? spirv->entry : "main";
     pipeline.layout = ctx->layouts[p];
     HBIL_VK__TRY(ctx, CreateShaderModule, (ctx->device, &module, ctx->allocator, &pipeline.stage.module));
     const VkResult made =
@@ -671,6 +676,7 @@ static hbil_vk_result hbil_vk__prepare(hbil_vk *ctx, const hbil_frame *frame, hb
     if (ctx->fresh) now.reset = 1; /* our images hold garbage */
     hbil_result result = hbil_pack_constants(&ctx->plan, &now, out->constants, sizeof out->constants, NULL, &diags);
     if (result == HBIL_OK) result = hbil_plan_frame(&ctx->plan, frame, out->grid);
+    if (ctx->block != NULL) memcpy(out->constants, ctx->block, ctx->plan.constants_size);
     if (result == HBIL_OK) return HBIL_VK_OK;
     return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "%s", diags.count > 0 ? diag.text : hbil_result_name(result));
 }

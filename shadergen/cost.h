@@ -69,6 +69,8 @@ void cost_cache_free(cost_cache *cache);
 /* What a pixel of the pass's grid does; out->enters times the unknown comes on top. A walk of a LINES grid passes
  * each pixel of its layer once: a pixel has one step of it in each layer. */
 void cost_per_pixel(const hbil_plan *plan, int32_t pass, const cost *c, cost_counts *out);
+/* Adds a pass to what a plan costs. */
+void cost_add(const hbil_plan *plan, int32_t pass, const cost *c, cost_total *to);
 /* The report: passes, totals, and what each option that is not the default, and each output, adds. An exit code of
  * build.h. */
 int  cost_print(FILE *out, const hbil_plan *plan, const hook_file *hook);

@@ -145,7 +145,7 @@ static double pixels_of(const hbil_plan *plan, int32_t pass)
     return div * div;
 }
 
-static void add_to_total(const hbil_plan *plan, int32_t pass, const cost *c, cost_total *t)
+void cost_add(const hbil_plan *plan, int32_t pass, const cost *c, cost_total *t)
 {
     cost_counts pixel;
     cost_per_pixel(plan, pass, c, &pixel);
@@ -164,7 +164,7 @@ static int count_plan(const hbil_plan *plan, const hook_file *hook, cache *c, co
     memset(t, 0, sizeof *t);
     for (pass = 0; pass < (int32_t)plan->pass_count && code == DONE; ++pass) {
         code = count_pass(plan, pass, hook, c, one);
-        if (code == DONE) add_to_total(plan, pass, one, t);
+        if (code == DONE) cost_add(plan, pass, one, t);
     }
     return code;
 }
@@ -426,7 +426,7 @@ static int print_report(report *r)
         code = count_pass(plan, pass, r->hook, &r->cache, &r->one);
         if (code != DONE) return code;
         print_pass(r->out, plan, pass, &r->one);
-        add_to_total(plan, pass, &r->one, &r->total);
+        cost_add(plan, pass, &r->one, &r->total);
     }
     fputc('\n', r->out);
     print_row(r->out, "all, of each pixel of the frame", &r->total.fixed, r->total.registers, 0);

@@ -96,6 +96,13 @@ int runner_text(runner *r, const char *pass, const char *text)
     return 1;
 }
 
+int runner_words(runner *r, const runner_spirv *spirv)
+{
+    if (r->ops->set_words == NULL) return spirv == NULL;
+    r->ops->set_words(r->device, spirv);
+    return 1;
+}
+
 /* What is wrong with the shape of an input, NULL: nothing. needed: room for a text of its own. A texel that is not there reads
  * as anything, so every input that lies on the screen must cover the frame. */
 static const char *shape_fault(const hbil_plan *plan, uint32_t t, const image *in, const uint32_t extent[2], char needed[64])
@@ -136,14 +143,14 @@ static int check_inputs(const hbil_plan *plan, const hbil_frame *frame, const im
 /* What all textures that lie on the screen have room for: more than the frame where the inputs do. */
 static void room_of(const hbil_plan *plan, const image *inputs, const uint32_t frame[2], uint32_t room[2])
 {
-    room[0] = room[1] = 16384;
+    room[0] = room[1] = UINT32_MAX;
     for (uint32_t t = 0; t < plan->texture_count; ++t) {
         const uint16_t dim = plan->textures[t].dim;
         if (plan->textures[t].life != HBIL_LIFE_INPUT || dim == HBIL_DIM_CUBE || dim == HBIL_DIM_3D) continue;
         if ((uint32_t)inputs[t].width < room[0]) room[0] = (uint32_t)inputs[t].width;
         if ((uint32_t)inputs[t].height < room[1]) room[1] = (uint32_t)inputs[t].height;
     }
-    if (plan->config.width != 0) memcpy(room, frame, 2 * sizeof *room);
+    if (plan->config.width != 0 || room[0] == UINT32_MAX) memcpy(room, frame, 2 * sizeof *room); /* baked, or no inputs */
 }
 
 /* Keep the first width x height pixels of every slice. In place: rows only move towards the start. */

@@ -35,6 +35,17 @@ int                runner_hook(runner *r, const char *text);
  * One pass at a time. The text keeps to the bindings of the plan. 1, or 0: out of memory. */
 int                runner_text(runner *r, const char *pass, const char *text);
 
+/* Shaders that are not made of text: for a plan of the caller's own, whose hash tells it from all others. block: instead of what
+ * hbil_pack_constants packs. */
+typedef struct runner_spirv {
+    const uint32_t *words[HBIL_MAX_PASSES];
+    size_t          counts[HBIL_MAX_PASSES];
+    const char     *entries[HBIL_MAX_PASSES];
+    const void     *block;                  /* plan.constants_size bytes */
+} runner_spirv;
+/* For every run from now on; NULL: none. Not copied. 1, or 0: this backend takes text alone. */
+int                runner_words(runner *r, const runner_spirv *spirv);
+
 /* Run the plan on one frame. inputs: indexed by plan texture, present for every INPUT. outputs: indexed by plan texture; made
  * here for every OUTPUT (channels as the format has: r32f 1, rgba32f 4; a is kept), freed by the caller.
  * History stays from call to call while the plan and the size of the inputs do. Inputs larger than the frame: it is the corner of

@@ -624,5 +624,5 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     return 1;
 }
 
-const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_set_text, gl_run };
-const runner_ops runner_gles = { gles_open, gl_close, gl_messages, gl_set_hook, gl_set_text, gl_run };
+const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_set_text, NULL, gl_run };
+const runner_ops runner_gles = { gles_open, gl_close, gl_messages, gl_set_hook, gl_set_text, NULL, gl_run };

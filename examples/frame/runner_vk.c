@@ -65,6 +65,7 @@ typedef struct vk_device {
     int                              compiler, messages;
     const char                      *hook;
     const char                      *own_pass, *own_text; /* instead of what hbil.h emits */
+    const runner_spirv              *spirv;   /* instead of all of it, see runner_words */
     char                            *error;   /* of the running call */
     size_t                           error_size;
 } vk_device;
@@ -503,6 +504,34 @@ static int compile(vk_device *d, const hbil_plan *plan, char *text, uint32_t *wo
     return 1;
 }
 
+/* Takes the caller's words as they are. */
+static void take_words(const runner_spirv *from, const hbil_plan *plan, hbil_vk_info *info)
+{
+    for (uint32_t p = 0; p < plan->pass_count; ++p) {
+        info->spirv[p].words = from->words[p];
+        info->spirv[p].count = from->counts[p];
+        info->spirv[p].entry = from->entries[p];
+    }
+}
+
+/* An input that a pass has as a storage image, as only a plan of the caller's own does. */
+static int is_stored(const hbil_plan *plan, uint32_t texture)
+{
+    for (uint32_t p = 0; p < plan->pass_count; ++p)
+        for (uint32_t b = 0; b < plan->passes[p].binding_count; ++b) {
+            const hbil_binding *binding = &plan->passes[p].bindings[b];
+            if (binding->texture == texture && binding->access == HBIL_ACCESS_WRITE) return 1;
+        }
+    return 0;
+}
+
+static VkImageLayout input_layout(const hbil_plan *plan)
+{
+    for (uint32_t t = 0; t < plan->texture_count; ++t)
+        if (plan->textures[t].life == HBIL_LIFE_INPUT && is_stored(plan, t)) return VK_IMAGE_LAYOUT_GENERAL;
+    return VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+}
+
 static int set_plan(vk_device *d, const hbil_plan *plan)
 {
     enum { CAP_WORDS = 1 << 18 };
@@ -512,7 +541,9 @@ static int set_plan(vk_device *d, const hbil_plan *plan)
     for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) drop_image(d, &d->images[t]); /* an input there may be an output here */
     char *text = (char *)malloc(CAP_TEXT);
     uint32_t *words = (uint32_t *)malloc(CAP_WORDS * sizeof *words);
-    int ok = text != NULL && words != NULL ? compile(d, plan, text, words, CAP_WORDS, &info) : FAIL(d, "out of memory");
+    int ok = text != NULL && words != NULL ? 1 : FAIL(d, "out of memory");
+    if (ok && d->spirv != NULL) take_words(d->spirv, plan, &info);
+    else if (ok) ok = compile(d, plan, text, words, CAP_WORDS, &info);
     if (ok) {
         info.instance = d->instance;
         info.physical_device = d->gpu;
@@ -520,7 +551,7 @@ static int set_plan(vk_device *d, const hbil_plan *plan)
         info.queue_family = d->family;
         info.get_proc = vkGetInstanceProcAddr;
         info.plan = plan;
-        info.input_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+        info.input_layout = input_layout(plan);
         info.timestamps = d->timestamps;
         ok = hbil_vk_init(&info, &d->backend) == HBIL_VK_OK || FAIL(d, "%s", d->backend.message);
     }
@@ -575,6 +606,7 @@ static int set_images(vk_device *d, const hbil_plan *plan, const uint32_t size[2
         if (tex->life != HBIL_LIFE_INPUT && tex->life != HBIL_LIFE_OUTPUT) continue;
         if (!shape_of(d, plan, i, size, &inputs[i], &outputs[i], &shape)) return 0;
         if (tex->life == HBIL_LIFE_OUTPUT) usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+        else if (is_stored(plan, i)) usage |= VK_IMAGE_USAGE_STORAGE_BIT;
         if (shape.dim == HBIL_DIM_2D_MULTISAMPLE) usage = VK_IMAGE_USAGE_STORAGE_BIT;
         if (!make_image(d, t, tex->name, &shape, usage)) return 0;
         views[i] = t->view;
@@ -720,7 +752,7 @@ static int upload_one(vk_device *d, const hbil_plan *plan, uint32_t i, const ima
     transition(d, t, VK_IMAGE_LAYOUT_UNDEFINED, fill, 0, access);
     if (!samples) vkCmdCopyBufferToImage(d->cmd, d->staging, t->image, fill, 1, &copy);
     else if (!spread(d, t, plan->config.sample)) return 0;
-    transition(d, t, fill, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, access, VK_ACCESS_SHADER_READ_BIT);
+    transition(d, t, fill, input_layout(plan), access, VK_ACCESS_SHADER_READ_BIT);
     return 1;
 }
 
@@ -786,6 +818,9 @@ static void vk_set_text(void *device, const char *pass, const char *text)
     hbil_vk_shutdown(&d->backend);
 }
 
+/* Pipelines stay: a plan of other words has another hash. */
+static void vk_set_words(void *device, const runner_spirv *spirv) { ((vk_device *)device)->spirv = spirv; }
+
 static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
                   const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
 {
@@ -793,9 +828,10 @@ static int vk_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     d->error = error;
     d->error_size = error_size;
     if (!set_plan(d, plan) || !set_images(d, plan, size, inputs, outputs) || !upload(d, plan, inputs)) return 0;
+    d->backend.block = d->spirv != NULL ? d->spirv->block : NULL;
     for (int i = 0; i < repeat; ++i)
         if (!execute(d, frame, ms != NULL ? ms + (size_t)i * plan->pass_count : NULL)) return 0;
     return read_back(d, plan, outputs);
 }
 
-const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_set_hook, vk_set_text, vk_run };
+const runner_ops runner_vulkan = { vk_open, vk_close, vk_messages, vk_set_hook, vk_set_text, vk_set_words, vk_run };

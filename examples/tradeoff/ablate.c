@@ -164,7 +164,7 @@ static int judge(ablation *a, const hbil_config *config, verdict *v)
     v->config = *config;
     if (!lit_open(l, a->device, &a->s, config, &a->sub, a->s.error, sizeof a->s.error)) return TRADE_MISFIT;
     code = measure_errors(&a->s, l, &a->t, &a->full.config, NULL, 0, v->out);
-    if (code == TRADE_DONE) code = measure_cost(&a->s, &l->plan, &v->cost);
+    if (code == TRADE_DONE) code = measure_cost(&a->s, l, &v->cost);
     if (code == TRADE_DONE) code = duel_run(&a->s, &a->side[0], &a->side[1], &a->d);
     if (code != TRADE_DONE) return code;
     v->time = timing_compare(a->d.turn[0], a->d.turn[1], a->d.turns);

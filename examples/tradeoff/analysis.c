@@ -351,6 +351,7 @@ int analysis_main(int argc, char **argv)
     if (code != DONE) return code;
     if (a.runs[0]) return compare_runs(&a);
     reports = strcmp(argv[1], "report") == 0;
+    a.selection.ours = !reports; /* no shadergen command makes an external */
     if (reports && !a.folder) return fail(USAGE, "-o DIR is missing");
     if (!reports && !a.like && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)
         return fail(USAGE, "--budget-ms, --as-fast-as or --max-rmse is missing");

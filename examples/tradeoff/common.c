@@ -35,6 +35,15 @@ int read_double(const char *text, double min, double max, double *out)
     return 1;
 }
 
+uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *p = data;
+    size_t               i;
+
+    for (i = 0; i < size; i++) hash = (hash ^ p[i]) * 1099511628211u;
+    return hash;
+}
+
 /* "AxB" or "AxBxC" into out[count]. */
 static int read_sizes(const char *text, int count, int max, int *out)
 {

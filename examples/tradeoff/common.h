@@ -60,6 +60,10 @@ int  read_int(const char *text, int min, int max, int *out);
 /* The same for a decimal number, '.' as its mark. */
 int  read_double(const char *text, double min, double max, double *out);
 
+/* FNV-1a, 64 bits. hash: HASH_BEGIN, or that of what comes before. */
+#define HASH_BEGIN 14695981039346656037u
+uint64_t hash_bytes(uint64_t hash, const void *data, size_t size);
+
 double seconds_now(void);
 /* A line on stderr: on a terminal rewritten, in a log every two seconds. done in [0, 1]. */
 void progress_show(const settings *s, double done, const char *what);

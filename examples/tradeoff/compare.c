@@ -286,7 +286,7 @@ static int print_swaps(FILE *out, const points sets[2], int error)
 /* Front and presets of an output, on the device of a row. How many pairs of presets have changed places. */
 static int print_ranks(FILE *out, const csv tables[2], const csv_row *row, int error, const char *output)
 {
-    selection s = {output, error, row->text[CSV_backend], row->text[CSV_device], NULL, NULL};
+    selection s = {output, error, row->text[CSV_backend], row->text[CSV_device], NULL, NULL, 0};
     points    sets[2];
     char      unused[64];
     int       k, swaps = 0;

@@ -10,6 +10,15 @@
 
 static int same(const char *a, const char *b) { return strcmp(a, b) == 0; }
 
+#define EXTERNAL "external:"
+
+int row_is_external(const csv_row *row) { return strncmp(row->text[CSV_config], EXTERNAL, strlen(EXTERNAL)) == 0; }
+
+const char *row_name(const csv_row *row)
+{
+    return row_is_external(row) ? row->text[CSV_config] + strlen(EXTERNAL) : row->text[CSV_preset];
+}
+
 static int is_rmse(int column) { return strncmp(csv_number_name(column), "rmse_", 5) == 0; }
 
 /* Frames are told apart by name and size. */
@@ -54,7 +63,8 @@ static int of_device(const csv_row *row, const selection *s)
 static int selected(const csv_row *row, const selection *s)
 {
     return of_device(row, s) && same(row->text[CSV_output], s->output) && isfinite(row->number[s->error])
-        && !(s->except && same(row->text[CSV_frame], s->except)) && !(s->only && !same(row->text[CSV_frame], s->only));
+        && !(s->ours && row_is_external(row)) && !(s->except && same(row->text[CSV_frame], s->except))
+        && !(s->only && !same(row->text[CSV_frame], s->only));
 }
 
 /* What could have been asked for. */

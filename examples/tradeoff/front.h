@@ -9,6 +9,7 @@ typedef struct selection {
     int         error;         /* column, CSV_rmse_... */
     const char *backend, *device; /* NULL: the only one there is */
     const char *except, *only; /* frame; NULL: all */
+    int         ours;          /* 1: no externals */
 } selection;
 
 /* A config. */
@@ -30,6 +31,11 @@ typedef struct points {
     int          left_out;  /* configs that lack a frame: they cannot be compared */
     const csv_row **rows;   /* storage */
 } points;
+
+/* "external:NAME" in the column config: a shader that is not hbil.h's. */
+int          row_is_external(const csv_row *row);
+/* What a row is called: its preset, or an external's name; "": neither. */
+const char  *row_name(const csv_row *row);
 
 /* 1; 0: error[] says what there is instead. The table must outlive the points. */
 int          points_make(points *out, const csv *table, const selection *s, char *error, size_t error_size);

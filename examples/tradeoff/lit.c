@@ -27,6 +27,14 @@ static int encode(lit *l, const capture *cap, char *error, size_t error_size)
         && environment_encode(light, &l->plan, &l->frame, l->in, error, error_size);
 }
 
+static void begin(lit *l, runner *device, const settings *s, const subject *sub)
+{
+    memset(l, 0, sizeof *l);
+    l->device = device;
+    l->sub = sub;
+    l->s = s;
+}
+
 int lit_open(lit *l, runner *device, const settings *s, const hbil_config *config, const subject *sub, char *error,
              size_t error_size)
 {
@@ -34,10 +42,7 @@ int lit_open(lit *l, runner *device, const settings *s, const hbil_config *confi
     hbil_diags diags = {&item, 1, 0};
     uint32_t   i;
 
-    memset(l, 0, sizeof *l);
-    l->device = device;
-    l->sub = sub;
-    l->s = s;
+    begin(l, device, s, sub);
     if (hbil_plan_build(config, &l->plan, &diags) != HBIL_OK)
         return frame_error(error, error_size, "%s", diags.count ? item.text : "the config is refused");
     for (i = 0; i < l->plan.texture_count; i++) l->history |= l->plan.textures[i].life == HBIL_LIFE_HISTORY;
@@ -46,7 +51,38 @@ int lit_open(lit *l, runner *device, const settings *s, const hbil_config *confi
     return 0;
 }
 
+int lit_open_external(lit *l, runner *device, const settings *s, const external *e, const subject *sub, char *error,
+                      size_t error_size)
+{
+    const capture *cap = subject_judged(sub);
+
+    begin(l, device, s, sub);
+    l->own = e;
+    l->plan = e->plan;
+    l->plan.config.projection = cap->orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE;
+    return encode(l, cap, error, error_size);
+}
+
 void lit_close(lit *l) { free_images(l->in); }
+
+/* As runner_run, with the words of an external and its block of this frame. */
+static int execute(lit *l, image textures[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
+{
+    external_block block;
+    runner_spirv   spirv;
+    int            ok;
+
+    if (l->own) {
+        external_fill(&l->frame, &block);
+        spirv = l->own->spirv;
+        spirv.block = &block;
+    }
+    if (!runner_words(l->device, l->own ? &spirv : NULL))
+        return frame_error(error, error_size, "SPIR-V runs with --backend vulkan alone");
+    ok = runner_run(l->device, &l->plan, &l->frame, l->in, textures, repeat, ms, error, error_size);
+    runner_words(l->device, NULL);
+    return ok;
+}
 
 /* One frame; out may be NULL. */
 static int run(lit *l, image out[OUTS], char *error, size_t error_size)
@@ -55,7 +91,7 @@ static int run(lit *l, image out[OUTS], char *error, size_t error_size)
     image textures[HBIL_MAX_TEXTURES];
     int   ok, k;
 
-    if (!runner_run(l->device, &l->plan, &l->frame, l->in, textures, 1, NULL, error, error_size)) return 0;
+    if (!execute(l, textures, 1, NULL, error, error_size)) return 0;
     for (k = 0, ok = 1; out && ok && k < OUTS; k++) {
         const int32_t at = hbil_plan_texture(&l->plan, out_names[k]);
 
@@ -98,7 +134,7 @@ static int repeat_run(lit *l, int repeat, double *ms, double *wall, char *error,
     const double begun = seconds_now();
     image        textures[HBIL_MAX_TEXTURES];
 
-    if (!runner_run(l->device, &l->plan, &l->frame, l->in, textures, repeat, ms, error, error_size)) return 0;
+    if (!execute(l, textures, repeat, ms, error, error_size)) return 0;
     *wall = 1e3 * (seconds_now() - begun);
     free_images(textures);
     return 1;

@@ -107,6 +107,7 @@ static int list_values(const points *p, const char *option, char (*values)[MARGI
     int  i, at, count = 0;
 
     for (i = 0; i < p->count; i++) {
+        if (row_is_external(p->list[i].row)) continue; /* it has no options */
         config_value(p->list[i].row->text[CSV_config], option, value);
         if (value_index(values, count, value) >= 0) continue;
         if (count == MARGINAL_VALUES) return MARGINAL_VALUES + 1;

@@ -13,15 +13,17 @@
 #define NOISY          0.1
 #define BURST          3
 
-int measure_cost(settings *s, const hbil_plan *plan, price *out)
+int measure_cost(settings *s, const lit *l, price *out)
 {
     static cost_cache counted; /* of the whole run: configs share most of their passes */
     cost_total        total;
-    int               ok = hbil_glslang_init();
+    int               ok;
 
-    memset(&total, 0, sizeof total);
-    if (ok) {
-        ok = cost_of_plans(plan, &counted, &total) == DONE;
+    out->fetches = out->bytes_read = out->bytes_written = out->registers = (double)NAN;
+    if (l->own && !external_cost(l->own, &total)) return TRADE_DONE;
+    ok = l->own || hbil_glslang_init();
+    if (ok && !l->own) {
+        ok = cost_of_plans(&l->plan, &counted, &total) == DONE;
         hbil_glslang_shutdown();
     }
     if (!ok)
@@ -128,16 +130,11 @@ int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, c
     return !flicker || measure_flicker(s, l, t, out) ? TRADE_DONE : TRADE_BACKEND;
 }
 
-int measure_all(settings *s, runner *device, const subject *sub, const truth *t, const image converged[OUTS],
-                const hbil_config *config, measured *m)
+int measure_all(settings *s, lit *l, const truth *t, const image *converged, measured *m)
 {
-    lit l;
-    int code;
+    int code = measure_errors(s, l, t, &l->plan.config, converged, 1, m->out);
 
-    if (!lit_open(&l, device, s, config, sub, s->error, sizeof s->error)) return TRADE_MISFIT;
-    code = measure_errors(s, &l, t, config, converged, 1, m->out);
-    if (code == TRADE_DONE) code = measure_time(s, &l, &m->time);
-    if (code == TRADE_DONE) code = measure_cost(s, &l.plan, &m->cost);
-    lit_close(&l);
+    if (code == TRADE_DONE) code = measure_time(s, l, &m->time);
+    if (code == TRADE_DONE) code = measure_cost(s, l, &m->cost);
     return code;
 }

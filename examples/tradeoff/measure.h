@@ -22,8 +22,9 @@ typedef struct times {
     int      noisy;                     /* that is wider than 10 % of it, or there is no saying */
 } times;
 
-/* Per pixel of the frame, an upper bound, see shadergen/cost.h; loops of unknown length count one step. */
-typedef struct price { double fetches, bytes_read, bytes_written; int registers; } price;
+/* Per pixel of the frame, an upper bound, see shadergen/cost.h; loops of unknown length count one step. NaN: unknown,
+ * of an external with such loops. */
+typedef struct price { double fetches, bytes_read, bytes_written, registers; } price;
 
 typedef struct measured {
     times  time;
@@ -31,15 +32,15 @@ typedef struct measured {
     errors out[OUTS];
 } measured;
 
-/* All of it. converged: of this config, as truth_converged made it. An exit code; s->error says why. */
-int  measure_all(settings *s, runner *device, const subject *sub, const truth *t, const image converged[OUTS],
-                 const hbil_config *config, measured *m);
-/* Its parts. l: opened; images come first, times after them. */
+/* All of it, of what is opened. converged: of its config, as truth_converged made it; NULL: none. An exit code;
+ * s->error says why. */
+int  measure_all(settings *s, lit *l, const truth *t, const image *converged, measured *m);
+/* Its parts; images come first, times after them. */
 /* as: the config whose truths are taken; converged: NULL: no sampling and estimator error. */
 int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker,
                    errors out[OUTS]);
 int  measure_time(settings *s, lit *l, times *t);
-int  measure_cost(settings *s, const hbil_plan *plan, price *cost);
+int  measure_cost(settings *s, const lit *l, price *cost);
 /* min, median, max and interval of ms[runs]. */
 void times_sum_up(times *t);
 

@@ -1,4 +1,4 @@
-/* pair.c - hbil-tradeoff pair: two configs in turns, and whether their difference says anything. */
+/* pair.c - hbil-tradeoff pair: two configs, or externals, in turns, and whether their difference says anything. */
 #include "commands.h"
 
 #include <math.h>
@@ -10,6 +10,7 @@ typedef struct pair {
     settings    s;
     const char *text[2];
     int         count;
+    externals   own;
     runner     *device;
 } pair;
 
@@ -18,7 +19,8 @@ void pair_help(void)
     fputs(
         "  pair    A B frames\n"
         "          two configs, each a preset's name or \"[preset=NAME] option=value ...\", in turns A B A B of three\n"
-        "          runs. Tells medians, the interval (99 %, bootstrap) of their ratio, whether it is within noise\n",
+        "          runs. Tells medians, the interval (99 %, bootstrap) of their ratio, whether it is within noise\n"
+        "  --external E      as in sweep: A or B can be external:NAME\n",
         stdout);
 }
 
@@ -26,20 +28,24 @@ static int take(void *user, settings *s, const char *name, const char *value)
 {
     pair *p = user;
 
+    if (strcmp(name, "--external") == 0) return externals_add(&p->own, s, value);
     if (*name) return -1;
     if (p->count == 2) return frame_error(s->error, sizeof s->error, "%s: a third config; pair compares two", value);
     p->text[p->count++] = value;
     return 1;
 }
 
-static void print_side(const pair *p, int side, const hbil_plan *plan, const times *t, const price *cost)
+static void print_side(const pair *p, int side, const lit *l, const times *t, const price *cost)
 {
     char text[TEXT_MAX];
 
-    config_text(&plan->config, ' ', text);
-    printf("%c  %s\n   %s\n", "AB"[side], p->text[side], *text ? text : "defaults");
-    printf("   %.3f ms [%.3f, %.3f]; per pixel %.1f fetches, %.1f bytes read, %.1f written; %d registers\n", t->median,
-           t->range.low, t->range.high, cost->fetches, cost->bytes_read, cost->bytes_written, cost->registers);
+    config_text(&l->plan.config, ' ', text);
+    printf("%c  %s\n   %s\n", "AB"[side], p->text[side], l->own ? l->own->text : *text ? text : "defaults");
+    printf("   %.3f ms [%.3f, %.3f]; ", t->median, t->range.low, t->range.high);
+    if (isnan(cost->fetches)) puts("costs unknown: loops of unknown length. Compile it with -Os");
+    else
+        printf("per pixel %.1f fetches, %.1f bytes read, %.1f written; %.0f registers\n", cost->fetches,
+               cost->bytes_read, cost->bytes_written, cost->registers);
 }
 
 static void print_errors(const errors a[OUTS], const errors b[OUTS])
@@ -61,11 +67,14 @@ static void print_errors(const errors a[OUTS], const errors b[OUTS])
 }
 
 /* Errors of one side; its images come before the times. */
-static int judge(pair *p, lit *l, const truth *t, const hbil_config *config, errors out[OUTS])
+static int judge(pair *p, lit *l, const truth *t, errors out[OUTS])
 {
-    image converged[OUTS];
-    int   k, code = truth_converged(&p->s, p->device, l->sub, config, converged);
+    const hbil_config *config = &l->plan.config;
+    image              converged[OUTS];
+    int                k, code;
 
+    if (l->own) return measure_errors(&p->s, l, t, config, NULL, 0, out);
+    code = truth_converged(&p->s, p->device, l->sub, config, converged);
     if (code == TRADE_DONE) code = measure_errors(&p->s, l, t, config, converged, 0, out);
     for (k = 0; k < OUTS; k++) image_free(&converged[k]);
     return code;
@@ -82,11 +91,35 @@ static void print_times(const pair *p, const duel *d, const lit sides[2], const 
         memcpy(t.ms, d->ms[side], (size_t)d->runs * sizeof *t.ms);
         t.runs = d->runs;
         times_sum_up(&t);
-        print_side(p, side, &sides[side].plan, &t, &cost[side]);
+        print_side(p, side, &sides[side], &t, &cost[side]);
     }
     duel_words(&ratio, words, sizeof words);
     printf("time of B against A: %s; %d turns of %d runs each%s\n", words, d->turns, DUEL_BLOCK,
            d->stable ? "" : "; the warm-up found no rest");
+}
+
+/* Opens both sides; *opened: how many of them. An exit code. */
+static int open_sides(pair *p, const subject *sub, lit sides[2], int *opened)
+{
+    settings   *s = &p->s;
+    hbil_config config;
+
+    for (*opened = 0; *opened < 2; ++*opened) {
+        const char     *text = p->text[*opened];
+        const external *own = externals_find(&p->own, text);
+        lit            *l = &sides[*opened];
+
+        if (!own && strncmp(text, EXTERNAL_PREFIX, strlen(EXTERNAL_PREFIX)) == 0) {
+            frame_error(s->error, sizeof s->error, "%s: no --external has this name", text);
+            return TRADE_USAGE;
+        }
+        if (!own && !config_make(s, text, 0, subject_judged(sub), &config, s->error, sizeof s->error))
+            return TRADE_REFUSED;
+        if (!(own ? lit_open_external(l, p->device, s, own, sub, s->error, sizeof s->error)
+                  : lit_open(l, p->device, s, &config, sub, s->error, sizeof s->error)))
+            return TRADE_MISFIT;
+    }
+    return TRADE_DONE;
 }
 
 static int run_subject(pair *p, const subject *sub)
@@ -96,22 +129,15 @@ static int run_subject(pair *p, const subject *sub)
     errors      out[2][OUTS];
     price       cost[2];
     truth       t;
-    hbil_config config[2];
-    int         side, far, code, opened = 0;
+    int         side, opened, code = open_sides(p, sub, sides, &opened);
+    unsigned    outputs = 0;
 
-    for (side = 0, far = 0; side < 2; side++) {
-        if (!config_make(&p->s, p->text[side], 0, subject_judged(sub), &config[side], p->s.error, sizeof p->s.error))
-            return TRADE_REFUSED;
-        far |= (config[side].outputs & HBIL_OUTPUTS_FAR) != 0;
-    }
-    code = truth_make(&p->s, sub, far, &t);
-    if (code != TRADE_DONE) return code;
+    memset(&t, 0, sizeof t);
+    for (side = 0; side < opened; side++) outputs |= sides[side].plan.config.outputs;
+    if (code == TRADE_DONE) code = truth_make(&p->s, sub, (outputs & HBIL_OUTPUTS_FAR) != 0, &t);
     for (side = 0; code == TRADE_DONE && side < 2; side++) {
-        if (!lit_open(&sides[side], p->device, &p->s, &config[side], sub, p->s.error, sizeof p->s.error))
-            code = TRADE_MISFIT;
-        else opened++;
-        if (code == TRADE_DONE) code = judge(p, &sides[side], &t, &config[side], out[side]);
-        if (code == TRADE_DONE) code = measure_cost(&p->s, &sides[side].plan, &cost[side]);
+        code = judge(p, &sides[side], &t, out[side]);
+        if (code == TRADE_DONE) code = measure_cost(&p->s, &sides[side], &cost[side]);
     }
     if (code == TRADE_DONE) code = duel_run(&p->s, &sides[0], &sides[1], &d);
     if (code == TRADE_DONE) {
@@ -134,7 +160,8 @@ static int run(pair *p)
         frame_error(p->s.error, sizeof p->s.error, "pair wants two configs, as in: pair fast balanced --scene cornell");
         return TRADE_USAGE;
     }
-    code = subject_find(&p->s, &list);
+    code = externals_open(&p->own, &p->s);
+    if (code == TRADE_DONE) code = subject_find(&p->s, &list);
     if (code != TRADE_DONE) return code;
     p->device = runner_open(p->s.backend, 0, p->s.error, sizeof p->s.error);
     if (!p->device) return TRADE_BACKEND;
@@ -161,5 +188,6 @@ int pair_main(int argc, char **argv)
     }
     runner_close(p.device);
     settings_free(&p.s);
+    externals_free(&p.own);
     return code;
 }

@@ -118,8 +118,8 @@ static void front_data(FILE *out, const points *p)
         for (i = 0; i < p->count; i++) {
             const point *q = &p->list[i];
 
-            if ((kind == 1 && !q->on_front) || (kind == 2 && !q->row->text[CSV_preset][0])) continue;
-            fprintf(out, "%.9g %.9g \"%s\"\n", q->ms, q->error, kind == 2 ? q->row->text[CSV_preset] : "");
+            if ((kind == 1 && !q->on_front) || (kind == 2 && !row_name(q->row)[0])) continue;
+            fprintf(out, "%.9g %.9g \"%s\"\n", q->ms, q->error, kind == 2 ? row_name(q->row) : "");
         }
         fputs("END\n", out);
     }
@@ -152,7 +152,7 @@ static int presets_count(const points *p)
 {
     int i, count = 0;
 
-    for (i = 0; i < p->count; i++) count += p->list[i].row->text[CSV_preset][0] != 0;
+    for (i = 0; i < p->count; i++) count += row_name(p->list[i].row)[0] != 0;
     return count;
 }
 
@@ -191,7 +191,7 @@ static void draw_front(FILE *out, const picture *pic)
             "$front using 1:2 with steps lw 2 lc rgb '" BLUE "' title 'Pareto front', "
             "$front using 1:2 with points pt 7 ps 0.6 lc rgb '" BLUE "'", p->count);
     if (presets_count(p) > 0)
-        fputs(", $presets using 1:2 with points pt 9 ps 1.3 lc rgb '" ORANGE "' title 'presets', "
+        fputs(", $presets using 1:2 with points pt 9 ps 1.3 lc rgb '" ORANGE "' title 'presets, externals', "
               "$presets using 1:2:3 with labels left offset char 0.8,0.5 textcolor rgb '" ORANGE "'", out);
 }
 

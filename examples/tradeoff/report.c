@@ -108,12 +108,12 @@ static void write_tables(FILE *out, const points *p, const selection *s)
     write_head(out, p, s, 1);
     for (i = 0; i < p->count; i++)
         if (p->list[i].on_front) write_point(out, p, s, &p->list[i]);
-    for (i = 0; i < p->count; i++) presets += p->list[i].row->text[CSV_preset][0] && !p->list[i].on_front;
+    for (i = 0; i < p->count; i++) presets += row_name(p->list[i].row)[0] && !p->list[i].on_front;
     if (!presets) return;
-    fputs("\nPresets that are not on it:\n\n", out);
+    fputs("\nPresets, and externals, that are not on it:\n\n", out);
     write_head(out, p, s, 0);
     for (i = 0; i < p->count; i++)
-        if (p->list[i].row->text[CSV_preset][0] && !p->list[i].on_front) write_point(out, p, s, &p->list[i]);
+        if (row_name(p->list[i].row)[0] && !p->list[i].on_front) write_point(out, p, s, &p->list[i]);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */

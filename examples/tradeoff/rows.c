@@ -57,7 +57,7 @@ static char *key_of_cells(char *const c[ROWS_COLUMNS])
     return key;
 }
 
-void rows_key(char *out, size_t size, const runner_info *about, const hbil_config *config, const char *frame, int width,
+void rows_key(char *out, size_t size, const runner_info *about, uint64_t hash, const char *frame, int width,
               int height, int output)
 {
     char device[128], driver[128], version[32];
@@ -66,7 +66,7 @@ void rows_key(char *out, size_t size, const runner_info *about, const hbil_confi
     clean(driver, sizeof driver, about->driver);
     version_text(version);
     snprintf(out, size, "%s|%s|%s|%016llx|%s|%dx%d|%s", device, driver, version,
-             (unsigned long long)hbil_config_hash(config), frame, width, height, out_names[output]);
+             (unsigned long long)hash, frame, width, height, out_names[output]);
 }
 
 /* All of the file, terminated. NULL: errno says why. */
@@ -207,19 +207,18 @@ static size_t make_row(char *text, size_t size, const char *left, int output, co
     return used + (size_t)snprintf(text + used, size - used, "%d\n", t->noisy);
 }
 
-int rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame,
+int rows_add(rows *r, const runner_info *about, uint64_t hash, const char *words, const char *preset, const char *frame,
              int width, int height, const measured *m, unsigned wanted, char *error, size_t error_size)
 {
-    char   device[128], driver[128], version[32], words[TEXT_MAX], left[ROW_MAX - 1024], text[OUTS * ROW_MAX];
+    char   device[128], driver[128], version[32], left[ROW_MAX - 1024], text[OUTS * ROW_MAX];
     size_t used = 0;
     int    k;
 
     clean(device, sizeof device, about->device);
     clean(driver, sizeof driver, about->driver);
     version_text(version);
-    config_text(config, ' ', words);
     snprintf(left, sizeof left, "%s,%016llx,%s,%s,%s,%s,%s,%s,%d,%d", version,
-             (unsigned long long)hbil_config_hash(config), words, preset, device, driver, about->backend, frame, width,
+             (unsigned long long)hash, words, preset, device, driver, about->backend, frame, width,
              height);
     for (k = 0; k < OUTS; k++)
         if (m->out[k].present && (wanted & 1u << k)) used += make_row(text + used, ROW_MAX, left, k, m);

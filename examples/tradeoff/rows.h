@@ -20,12 +20,13 @@ typedef struct rows {
 int  rows_open(rows *r, const char *path, char *error, size_t error_size);
 void rows_close(rows *r);
 /* What a row is the result of, as text: commas of a device's name become semicolons. */
-void rows_key(char *out, size_t size, const runner_info *about, const hbil_config *config, const char *frame, int width,
+void rows_key(char *out, size_t size, const runner_info *about, uint64_t hash, const char *frame, int width,
               int height, int output);
 /* Was it there when the file was opened? */
 int  rows_has(const rows *r, const char *key);
-/* Appends a row for each output that is present and that `wanted` holds, in one write. 1, or 0: error[] says why. */
-int rows_add(rows *r, const runner_info *about, const hbil_config *config, const char *preset, const char *frame,
+/* Appends a row for each output that is present and that `wanted` holds, in one write. hash, words: the config's, or an
+ * external's and its name. 1, or 0: error[] says why. */
+int rows_add(rows *r, const runner_info *about, uint64_t hash, const char *words, const char *preset, const char *frame,
              int width, int height, const measured *m, unsigned wanted, char *error, size_t error_size);
 
 #endif

@@ -112,7 +112,7 @@ static int measure(command *c, const statement *st, int variant, const subject *
         code = measure_errors(s, l, t, &config, sampling ? converged : NULL,
                               (st->figures & 1u << FIGURE_NOISE) != 0, o->out[frame]);
     for (k = 0; k < OUTS; k++) image_free(&converged[k]);
-    if (code == TRADE_DONE) code = measure_cost(s, &l->plan, &o->cost);
+    if (code == TRADE_DONE) code = measure_cost(s, l, &o->cost);
     if (code != TRADE_DONE || variant == 0) return code;
     code = duel_run(s, &c->side[0], l, &c->d);
     for (k = 0; code == TRADE_DONE && k < c->d.turns && o->turns < TIMING_RUNS_MAX; k++, o->turns++) {

@@ -15,6 +15,7 @@ typedef struct sweep {
     settings    s;
     const char *options, *presets, *out;
     int         budget, seed;
+    externals   own;
     char       *text;           /* of the grid */
     grid        g;
     char      (*configs)[TEXT_MAX];
@@ -32,8 +33,8 @@ typedef struct sweep {
     char        why[ERROR_MAX]; /* of the first refusal */
 } sweep;
 
-/* A config that is to be run. */
-typedef struct task { hbil_config config; unsigned wanted; char preset[32]; } task;
+/* A config, or the external `own` with its own, that is to be run. */
+typedef struct task { hbil_config config; uint64_t hash; const external *own; unsigned wanted; char preset[32]; } task;
 
 void sweep_help(void)
 {
@@ -47,6 +48,7 @@ void sweep_help(void)
         "  --preset A,B      presets as points of their own, next to the options; all: every preset\n"
         "  --budget N        N combinations at random instead of all; --seed N chooses others, default 1\n",
         stdout);
+    externals_help();
 }
 
 static int take(void *user, settings *s, const char *name, const char *value)
@@ -62,6 +64,7 @@ static int take(void *user, settings *s, const char *name, const char *value)
         *texts[i].target = value;
         return 1;
     }
+    if (strcmp(name, "--external") == 0) return externals_add(&w->own, s, value);
     if (strcmp(name, "--budget") == 0)
         return read_int(value, 1, CONFIGS_MAX, &w->budget)
                || frame_error(s->error, sizeof s->error, "--budget %s: must be a whole number in [1, %d]", value,
@@ -129,7 +132,7 @@ static int list_presets(sweep *w)
 /* Texts of all configs. */
 static int list_configs(sweep *w)
 {
-    const int      gridded = w->g.count > 0 || !w->presets;
+    const int      gridded = w->g.count > 0 || (!w->presets && !w->own.count);
     const uint64_t total = gridded ? grid_size(&w->g) : 0,
                    count = w->budget && (uint64_t)w->budget < total ? (uint64_t)w->budget : total;
     size_t         most = 64; /* presets */
@@ -144,8 +147,8 @@ static int list_configs(sweep *w)
     return (!gridded || list_grid(w, total, count)) && list_presets(w);
 }
 
-/* Outputs of the config whose rows are not there yet, as bits; 0: none is missing. */
-static unsigned missing_rows(const sweep *w, const hbil_config *config)
+/* Outputs of the task whose rows are not there yet, as bits; 0: none is missing. */
+static unsigned missing_rows(const sweep *w, const task *one)
 {
     static const unsigned bits[OUTS] = {HBIL_OUTPUTS_AO, HBIL_OUTPUTS_NEAR, HBIL_OUTPUTS_FAR};
     const capture *cap = subject_judged(&w->sub);
@@ -154,39 +157,54 @@ static unsigned missing_rows(const sweep *w, const hbil_config *config)
     int            k;
 
     for (k = 0; k < OUTS; k++) {
-        if (!(config->outputs & bits[k])) continue;
-        rows_key(key, sizeof key, runner_about(w->device), config, w->sub.name, cap->width, cap->height, k);
+        if (!(one->config.outputs & bits[k])) continue;
+        rows_key(key, sizeof key, runner_about(w->device), one->hash, w->sub.name, cap->width, cap->height, k);
         if (!rows_has(&w->r, key)) missing |= 1u << k;
     }
     return missing;
 }
 
-/* The configs of this frame that resolve, differ, and are not in the file. How many; -1: out of memory. */
+/* The i-th of all configs, and of all externals behind them. 0: it is refused. */
+static int make_task(sweep *w, int i, task *one)
+{
+    const capture *cap = subject_judged(&w->sub);
+    char           error[ERROR_MAX];
+
+    memset(one, 0, sizeof *one);
+    if (i >= w->config_count) {
+        one->own = &w->own.list[i - w->config_count];
+        one->config = one->own->plan.config;
+        one->hash = one->own->plan.hash;
+        return 1;
+    }
+    if (!config_make(&w->s, w->configs[i], 0, cap, &one->config, error, sizeof error)) {
+        if (!w->refused++) snprintf(w->why, sizeof w->why, "%s", error);
+        return 0;
+    }
+    one->hash = hbil_config_hash(&one->config);
+    snprintf(one->preset, sizeof one->preset, "%s", config_preset_of(&w->s, &one->config, 0, cap));
+    return 1;
+}
+
+/* Those of this frame that resolve, differ, and are not in the file. How many; -1: out of memory. */
 static int list_tasks(sweep *w, task **out)
 {
-    task       *tasks = malloc(((size_t)w->config_count + 1) * sizeof *tasks);
-    uint64_t   *seen = malloc(((size_t)w->config_count + 1) * sizeof *seen);
+    const int   most = w->config_count + w->own.count;
+    task       *tasks = malloc(((size_t)most + 1) * sizeof *tasks);
+    uint64_t   *seen = malloc(((size_t)most + 1) * sizeof *seen);
     int         i, k, count = 0, seen_count = 0;
 
-    for (i = 0; tasks && seen && i < w->config_count; i++) {
-        task    *one = &tasks[count];
-        char     error[ERROR_MAX];
-        uint64_t hash;
+    for (i = 0; tasks && seen && i < most; i++) {
+        task *one = &tasks[count];
 
-        if (!config_make(&w->s, w->configs[i], 0, subject_judged(&w->sub), &one->config, error, sizeof error)) {
-            if (!w->refused++) snprintf(w->why, sizeof w->why, "%s", error);
-            continue;
-        }
-        hash = hbil_config_hash(&one->config);
-        for (k = 0; k < seen_count && seen[k] != hash; k++) { }
+        if (!make_task(w, i, one)) continue;
+        for (k = 0; k < seen_count && seen[k] != one->hash; k++) { }
         if (k < seen_count) {
             w->equal++;
             continue;
         }
-        seen[seen_count++] = hash;
-        one->wanted = missing_rows(w, &one->config);
-        snprintf(one->preset, sizeof one->preset, "%s",
-                 config_preset_of(&w->s, &one->config, 0, subject_judged(&w->sub)));
+        seen[seen_count++] = one->hash;
+        one->wanted = missing_rows(w, one);
         if (one->wanted) count++;
         else w->kept++;
     }
@@ -205,25 +223,42 @@ static void drop_converged(sweep *w)
     w->family = 0;
 }
 
+/* The images of the config's family, unless they are there. An exit code. */
+static int converge(sweep *w, const hbil_config *config)
+{
+    hbil_config family;
+    uint64_t    hash;
+    int         code;
+
+    truth_family(&w->s, config, &family);
+    hash = hbil_config_hash(&family);
+    if (hash == w->family) return TRADE_DONE;
+    drop_converged(w);
+    code = truth_converged(&w->s, w->device, &w->sub, config, w->converged);
+    if (code == TRADE_DONE) w->family = hash;
+    return code;
+}
+
 static int run_task(sweep *w, const task *one)
 {
     const capture *cap = subject_judged(&w->sub);
-    hbil_config    family;
+    settings      *s = &w->s;
+    char           words[TEXT_MAX];
     measured       m;
-    uint64_t       hash;
-    int            code = TRADE_DONE;
+    lit            l;
+    int            code = one->own ? TRADE_DONE : converge(w, &one->config);
 
-    truth_family(&w->s, &one->config, &family);
-    hash = hbil_config_hash(&family);
-    if (hash != w->family) {
-        drop_converged(w);
-        code = truth_converged(&w->s, w->device, &w->sub, &one->config, w->converged);
-        if (code == TRADE_DONE) w->family = hash;
-    }
-    if (code == TRADE_DONE) code = measure_all(&w->s, w->device, &w->sub, &w->t, w->converged, &one->config, &m);
+    if (code != TRADE_DONE) return code;
+    if (!(one->own ? lit_open_external(&l, w->device, s, one->own, &w->sub, s->error, sizeof s->error)
+                   : lit_open(&l, w->device, s, &one->config, &w->sub, s->error, sizeof s->error)))
+        return TRADE_MISFIT;
+    code = measure_all(s, &l, &w->t, one->own ? NULL : w->converged, &m);
+    lit_close(&l);
+    if (one->own) snprintf(words, sizeof words, "%s", one->own->name);
+    else config_text(&one->config, ' ', words);
     if (code == TRADE_DONE
-        && !rows_add(&w->r, runner_about(w->device), &one->config, one->preset, w->sub.name, cap->width, cap->height,
-                     &m, one->wanted, w->s.error, sizeof w->s.error))
+        && !rows_add(&w->r, runner_about(w->device), one->hash, words, one->preset, w->sub.name, cap->width,
+                     cap->height, &m, one->wanted, s->error, sizeof s->error))
         code = TRADE_FILES;
     return code;
 }
@@ -282,7 +317,8 @@ static int run(sweep *w)
 
     if (code != TRADE_DONE) return code;
     if (!list_configs(w)) return TRADE_USAGE;
-    code = subject_find(&w->s, &list);
+    code = externals_open(&w->own, &w->s);
+    if (code == TRADE_DONE) code = subject_find(&w->s, &list);
     if (code != TRADE_DONE) return code;
     if (!rows_open(&w->r, w->out, w->s.error, sizeof w->s.error)) return TRADE_FILES;
     if (w->r.repaired)
@@ -320,6 +356,7 @@ int sweep_main(int argc, char **argv)
     if (w->device) runner_close(w->device);
     if (w->r.file >= 0) rows_close(&w->r);
     settings_free(&w->s);
+    externals_free(&w->own);
     free(w->configs);
     free(w->text);
     free(w);

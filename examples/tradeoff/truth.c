@@ -16,16 +16,6 @@
 
 /* ---- cache ------------------------------------------------------------------------------------------------------- */
 
-/* FNV-1a, 64 bits */
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *p = data;
-    size_t               i;
-
-    for (i = 0; i < size; i++) hash = (hash ^ p[i]) * 1099511628211u;
-    return hash;
-}
-
 static uint64_t hash_image(uint64_t hash, const image *img)
 {
     return img->data ? hash_bytes(hash, img->data,
@@ -36,7 +26,7 @@ static uint64_t hash_image(uint64_t hash, const image *img)
 /* Of what is lit, and by what. */
 static uint64_t hash_frame(const settings *s, const capture *cap)
 {
-    uint64_t hash = hash_bytes(14695981039346656037u, s->env, strlen(s->env));
+    uint64_t hash = hash_bytes(HASH_BEGIN, s->env, strlen(s->env));
 
     hash = hash_bytes(hash, cap->projection, sizeof cap->projection);
     hash = hash_bytes(hash, cap->view, sizeof cap->view);

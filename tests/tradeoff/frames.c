@@ -1,10 +1,12 @@
 /* frames.c - writes captures for run.sh: DIR/metal, half of its floor a mirror (f0), and DIR/move, three frames of a
- * moving camera. */
+ * moving camera. frames --compile IN.comp OUT.spv: GLSL to SPIR-V, which not every machine has a program for. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #define HBIL_IMPLEMENTATION
+#include "../../backends/hbil_glslang.h"
 #include "capture.h"
 
 /* Rows of a column-major matrix; flip: -1 for the projection, whose y row a capture turns upside down. */
@@ -44,12 +46,32 @@ static int put_capture(const capture *cap, const char *folder, int number)
     return text_write(path, text, error, sizeof error);
 }
 
+static int compile(const char *from, const char *to)
+{
+    static uint32_t words[1 << 16];
+    char            log[512] = "";
+    size_t          need = 0;
+    char           *text = text_read(from, 1 << 16, "GLSL", log, sizeof log);
+    FILE           *f = fopen(to, "wb");
+    int             ok = text && f && hbil_glslang_init()
+             && hbil_glslang_optimize(text, HBIL_TARGET_VULKAN, words, 1 << 16, &need, log, sizeof log)
+                    == HBIL_GLSLANG_OK
+             && fwrite(words, sizeof *words, need, f) == need;
+
+    if (!f || fclose(f) != 0) ok = 0;
+    if (!ok) fprintf(stderr, "%s: %s\n", from, log);
+    free(text);
+    hbil_glslang_shutdown();
+    return ok;
+}
+
 int main(int argc, char **argv)
 {
     char    folder[256], error[256];
     capture cap;
     int     i, ok = argc == 2;
 
+    if (argc == 4 && strcmp(argv[1], "--compile") == 0) return compile(argv[2], argv[3]) ? 0 : 1;
     for (i = 0; ok && i < 4; i++) { /* three that move, one of metal */
         const float move[3] = {i < 3 ? 0.02f * (float)i : 0.0f, 0.0f, 0.0f};
         size_t      k;

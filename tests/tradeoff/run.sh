@@ -102,6 +102,27 @@ says '^| `slices=16 steps=2` | 0'; says '^- \*\*does not hold\*\*: it is at most
 says '\*\*: 4 slices of 4 steps have less noise in ao than 2 of 8 (HBAO + GTAO article, GTAO: Noise): 0'
 if grep -q '^## half' "$work/log"; then fail "--only shows others"; fi
 
+# ---- a shader of somebody else's, the example's
+example=$(dirname "$0")/../../examples/tradeoff/external.comp
+external="--external spv=$work/ssao.spv,depth=0,normal=1,ao=2,uniforms=3"
+"$frames" --compile "$example" "$work/ssao.spv" || fail "the example does not compile"
+code 0 sweep $frame --preset fast $external --out "$work/external.csv"; says '2 configs run'
+grep -q ',external:ssao,,' "$work/external.csv" || { cat "$work/external.csv"; fail "no row of the external"; }
+code 0 sweep $frame --preset fast $external --out "$work/external.csv"; says '0 configs run, 2 were there'
+sed 's/RADIUS = 2.0/RADIUS = 1.0/' "$example" >"$work/other.comp"
+"$frames" --compile "$work/other.comp" "$work/ssao.spv"
+code 0 sweep $frame --preset fast $external --out "$work/external.csv"; says '1 configs run, 1 were there'
+code 0 pair fast external:ssao $external $frame --repeat 3; says '18.0 fetches, 76.0 bytes read, 4.0 written'
+code 2 pair fast external:other $external $frame; says 'no --external has this name'
+code 2 sweep $frame --external "spv=$work/ssao.spv,depth=0,ao=2,uniforms=3" --out "$work/x.csv"
+says 'u_normal at set 0, binding 1'
+code 3 sweep $frame --external "spv=$work/none.spv,ao=2" --out "$work/x.csv"; says 'cannot be read'
+code 2 sweep $frame $external --backend gl --out "$work/x.csv"; says 'vulkan'
+code 0 report --csv "$work/external.csv" -o "$work/report" --no-plots
+grep -q '`external:ssao`' "$work/report/report.md" || fail "the report lacks the external"
+code 0 recommend --csv "$work/external.csv" --max-rmse 10; says 'best .*(fast)'
+if grep -q 'external:' "$work/log"; then cat "$work/log"; fail "an external is recommended"; fi
+
 # ---- captures in folders: a sequence with its history; metals
 mkdir "$work/captures"
 "$frames" "$work/captures" || fail "no captures were written"

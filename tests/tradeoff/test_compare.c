@@ -11,7 +11,7 @@
 #define NEAR(a, b) assert_true(fabs((double)(a) - (double)(b)) <= 1e-9)
 
 static char path[] = "/tmp/test_compare_XXXXXX", error[512], *printed;
-static const selection all = {NULL, -1, NULL, NULL, NULL, NULL};
+static const selection all = {NULL, -1, NULL, NULL, NULL, NULL, 0};
 
 /* A line of config and preset `name` on a device. */
 #define LINE(name, preset, device, frame, ms, rmse)                                                                    \

@@ -238,7 +238,7 @@ static void rows_survive(void **state)
     fill(&m);
     assert_int_equal(hbil_config_resolve(&config, &config, NULL), HBIL_OK);
     assert_true(rows_open(&r, path, error, sizeof error));
-    assert_true(rows_add(&r, &about, &config, "", "fence", 64, 36, &m, 3u, error, sizeof error));
+    assert_true(rows_add(&r, &about, hbil_config_hash(&config), "slices=1", "", "fence", 64, 36, &m, 3u, error, sizeof error));
     rows_close(&r);
     whole = size_of(path);
     put_file(path, "a", "0.1.0,123,outputs=ao,,a dev"); /* torn */
@@ -246,14 +246,14 @@ static void rows_survive(void **state)
     assert_int_equal(r.repaired, 27);
     assert_int_equal(r.count, 2);
     assert_int_equal(size_of(path), whole);
-    rows_key(key, sizeof key, &about, &config, "fence", 64, 36, OUT_NEAR);
+    rows_key(key, sizeof key, &about, hbil_config_hash(&config), "fence", 64, 36, OUT_NEAR);
     assert_true(rows_has(&r, key));
-    rows_key(key, sizeof key, &about, &config, "fence", 64, 36, OUT_FAR); /* was not present */
+    rows_key(key, sizeof key, &about, hbil_config_hash(&config), "fence", 64, 36, OUT_FAR); /* was not present */
     assert_false(rows_has(&r, key));
-    rows_key(key, sizeof key, &about, &config, "fence", 65, 36, OUT_AO);
+    rows_key(key, sizeof key, &about, hbil_config_hash(&config), "fence", 65, 36, OUT_AO);
     assert_false(rows_has(&r, key));
     config.slices = 5;
-    rows_key(key, sizeof key, &about, &config, "fence", 64, 36, OUT_AO);
+    rows_key(key, sizeof key, &about, hbil_config_hash(&config), "fence", 64, 36, OUT_AO);
     assert_false(rows_has(&r, key));
     rows_close(&r);
 }
