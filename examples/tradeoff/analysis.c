@@ -1,4 +1,4 @@
-/* analysis.c - the command line of report and recommend. */
+/* analysis.c - the command line of report, recommend and compare. */
 #include "analysis.h"
 
 #include <math.h>
@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "../frame/image.h"
+#include "compare.h"
 #include "recommend.h"
 #include "report.h"
 
@@ -15,18 +16,22 @@ enum { DONE = 0, MISFIT = 1, USAGE = 2, FILES = 3 };
 #define TOLERANCE 0.25 /* of a prediction */
 
 typedef struct arguments {
-    const char *csv, *folder, *holdout, *anchor;
+    const char *csv, *folder, *holdout, *anchor, *runs[2]; /* runs: the two of compare */
     selection   selection;
     wish        wish;
     int         pictures;
 } arguments;
 
-int analysis_knows(const char *word) { return strcmp(word, "report") == 0 || strcmp(word, "recommend") == 0; }
+int analysis_knows(const char *word)
+{
+    return strcmp(word, "report") == 0 || strcmp(word, "recommend") == 0 || strcmp(word, "compare") == 0;
+}
 
 static void print_help(FILE *out)
 {
     fputs("usage: hbil-tradeoff report --csv FILE -o DIR [options]\n"
           "       hbil-tradeoff recommend --csv FILE (--budget-ms MS | --max-rmse E) [options]\n"
+          "       hbil-tradeoff compare FIRST.csv SECOND.csv [options]\n"
           "Says what a sweep has measured: which configs are worth their time.\n\n"
           "report: DIR/report.md with tables, and pictures of the Pareto front with the presets, of the error by\n"
           "distance from the image's centre, of each option alone, and of slices against steps, as SVG and PNG\n"
@@ -38,16 +43,20 @@ static void print_help(FILE *out)
           "  --max-rmse E    the fastest within this error\n"
           "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
           "                  there. all: each frame in turn\n"
-          "  --anchor P      with --holdout: what preset or config hash P measured on F is known, too. Scenes differ\n"
-          "                  more than configs: one run of P on a new frame tells how hard it is\n\n"
-          "both:\n"
-          "  --output O      ao, near or far; default ao, for report all\n"
+          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too; that whose\n"
+          "                  errors are most alike counts. Scenes differ more than configs: one run of a preset on a\n"
+          "                  new frame tells how hard it is\n\n"
+          "compare: is a second run of a sweep the same as the first? Errors, times with and without the factor that\n"
+          "all of them share, Pareto fronts, order of the presets\n\n"
+          "all:\n"
+          "  --output O      ao, near or far; default ao, for report and compare all\n"
           "  --error E       rmse_hf (against the height field), rmse_model (against the scene), rmse_sampling\n"
           "                  (against the same estimator, converged) or rmse_estimator; default: the first that is\n"
           "                  measured\n"
           "  --backend B, --device D   if the CSV holds several\n\n"
-          "exit: 0 done, 1 nothing fits, or a prediction of --holdout is off by more than 25 %, 2 wrong usage,\n"
-          "      3 cannot read or write\n",
+          "exit: 0 done, 1 nothing fits, a prediction of --holdout is off by more than 25 %, or two runs differ:\n"
+          "      other errors, a tenth of the times off by more than 10 % without that factor, or presets that are\n"
+          "      farther apart than that in another order; 2 wrong usage, 3 cannot read or write\n",
           out);
 }
 
@@ -92,8 +101,9 @@ static int take(arguments *a, const char *name, const char *value)
 
 static int parse(int argc, char **argv, arguments *a)
 {
-    char message[512];
-    int  i;
+    const int compares = strcmp(argv[1], "compare") == 0;
+    char      message[512];
+    int       i;
 
     memset(a, 0, sizeof *a);
     a->selection.error = -1;
@@ -101,6 +111,8 @@ static int parse(int argc, char **argv, arguments *a)
     for (i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--no-plots") == 0) {
             a->pictures = 0;
+        } else if (compares && argv[i][0] != '-' && !a->runs[1]) {
+            a->runs[a->runs[0] != NULL] = argv[i];
         } else if (i + 1 == argc || !take(a, argv[i], argv[i + 1])) {
             snprintf(message, sizeof message, "%.200s %.200s: not understood. See hbil-tradeoff %s --help", argv[i],
                      i + 1 < argc ? argv[i + 1] : "(no value)", argv[1]);
@@ -109,7 +121,9 @@ static int parse(int argc, char **argv, arguments *a)
             i++;
         }
     }
-    if (!a->csv) return fail(USAGE, "--csv FILE is missing");
+    if (compares && !a->runs[1])
+        return fail(USAGE, "compare wants the CSV files of two runs, as in: compare monday.csv tuesday.csv");
+    if (!compares && !a->csv) return fail(USAGE, "--csv FILE is missing");
     return DONE;
 }
 
@@ -174,23 +188,25 @@ static int recommend(const csv *table, const arguments *a)
 static int compare(const points *others, const points *one, const point *best, const arguments *a)
 {
     const char  *hash = best->row->text[CSV_config_hash], *frame = one->frames[0]->text[CSV_frame];
-    const point *actual = points_find(one, hash), *anchor_there = NULL, *anchor = NULL;
+    const point *actual = points_find(one, hash), *there = NULL, *anchor = NULL;
     double       predicted, off;
 
     if (a->anchor) {
-        anchor_there = points_find(one, a->anchor);
-        anchor = points_find(others, a->anchor);
-        if (!anchor_there || !anchor) {
+        anchor = recommend_anchor(others, a->anchor, best, a->selection.error);
+        there = anchor ? points_find(one, anchor->row->text[CSV_config_hash]) : NULL;
+        if (!there) {
             printf("%s: %s is not measured on it and on all others: no anchor\n", frame, a->anchor);
             return 0;
         }
     }
-    predicted = recommend_predict(others, best, anchor, anchor ? anchor_there->error : 0.0);
+    predicted = recommend_predict(others, best, anchor, there ? there->row : NULL, a->selection.error);
     printf("%s: %s\n  predicted %s of %s %.4f from %d other frame%s", frame,
            best->row->text[CSV_config][0] ? best->row->text[CSV_config] : "the defaults",
            csv_number_name(a->selection.error), a->selection.output, predicted, others->frame_count,
                    others->frame_count == 1 ? "" : "s");
-    if (anchor) printf(" and from %s on this one (%.4f without)", a->anchor, best->error);
+    if (anchor)
+        printf(" and from %s on this one (%.4f without)",
+               anchor->row->text[CSV_preset][0] ? anchor->row->text[CSV_preset] : a->anchor, best->error);
     if (!actual) {
         puts("; not measured on it");
         return -1;
@@ -229,14 +245,19 @@ static int hold_out(const csv *table, const arguments *a, const char *frame)
     return within;
 }
 
-/* 1: no line before this one has its frame and the output. */
-static int is_first(const csv *table, int row, const char *output)
+static int has_error(const csv_row *row, const selection *s)
+{
+    return strcmp(row->text[CSV_output], s->output) == 0 && isfinite(row->number[s->error]);
+}
+
+/* 1: no line before this one has its frame and the error. */
+static int is_first(const csv *table, int row, const selection *s)
 {
     int i;
 
-    if (strcmp(table->rows[row].text[CSV_output], output) != 0) return 0;
+    if (!has_error(&table->rows[row], s)) return 0;
     for (i = 0; i < row; i++)
-        if (strcmp(table->rows[i].text[CSV_output], output) == 0
+        if (has_error(&table->rows[i], s)
             && strcmp(table->rows[i].text[CSV_frame], table->rows[row].text[CSV_frame]) == 0) return 0;
     return 1;
 }
@@ -248,7 +269,7 @@ static int hold_out_all(const csv *table, const arguments *a)
     for (i = 0; i < table->count; i++) {
         const char *frame = table->rows[i].text[CSV_frame];
 
-        if (!is_first(table, i, a->selection.output)) continue;
+        if (!is_first(table, i, &a->selection)) continue;
         if (strcmp(a->holdout, "all") != 0 && strcmp(a->holdout, frame) != 0) continue;
         found = 1;
         one = hold_out(table, a, frame);
@@ -259,7 +280,7 @@ static int hold_out_all(const csv *table, const arguments *a)
         fprintf(stderr, "hbil-tradeoff: --holdout %s: no such frame of %s. There are: all", a->holdout,
                 a->selection.output);
         for (i = 0; i < table->count; i++)
-            if (is_first(table, i, a->selection.output)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
+            if (is_first(table, i, &a->selection)) fprintf(stderr, " %s", table->rows[i].text[CSV_frame]);
         fputc('\n', stderr);
         return USAGE;
     }
@@ -280,6 +301,26 @@ static int report(const csv *table, const arguments *a)
     return DONE;
 }
 
+static int compare_runs(const arguments *a)
+{
+    csv  tables[2];
+    char error[1024];
+    int  i, is_same;
+
+    if (!csv_read(&tables[0], a->runs[0], error, sizeof error)) return fail(FILES, error);
+    if (!csv_read(&tables[1], a->runs[1], error, sizeof error)) {
+        csv_free(&tables[0]);
+        return fail(FILES, error);
+    }
+    for (i = 0; i < 2; i++)
+        if (tables[i].note[0]) fail(0, tables[i].note);
+    is_same = compare_print(stdout, tables, a->runs, &a->selection, error, sizeof error);
+    if (is_same < 0) fail(0, error);
+    csv_free(&tables[0]);
+    csv_free(&tables[1]);
+    return is_same > 0 ? DONE : MISFIT;
+}
+
 int analysis_main(int argc, char **argv)
 {
     arguments a;
@@ -292,6 +333,7 @@ int analysis_main(int argc, char **argv)
     if (argc < 2 || !analysis_knows(argv[1])) return print_help(stderr), USAGE;
     code = parse(argc, argv, &a);
     if (code != DONE) return code;
+    if (a.runs[0]) return compare_runs(&a);
     reports = strcmp(argv[1], "report") == 0;
     if (reports && !a.folder) return fail(USAGE, "-o DIR is missing");
     if (!reports && a.wish.budget_ms <= 0.0 && a.wish.max_rmse <= 0.0)

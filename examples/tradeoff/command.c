@@ -46,30 +46,32 @@ int command_line(settings *s, int argc, char **argv, void (*help)(void),
 }
 
 /* Compiles, fills the history, and runs a block. */
-static int take_turn(settings *s, lit *l, duel *d, int side)
+static int take_turn(settings *s, timing_run *run, void *user, duel *d, int side)
 {
     double *ms = d->ms[side] + d->runs, first[2];
 
-    if (!lit_run(l, 2, first, s->error, sizeof s->error) || !lit_run(l, DUEL_BLOCK, ms, s->error, sizeof s->error))
+    if (!run(user, 2, first, s->error, sizeof s->error) || !run(user, DUEL_BLOCK, ms, s->error, sizeof s->error))
         return 0;
     d->turn[side][d->turns] = timing_median(ms, DUEL_BLOCK);
     return 1;
 }
 
-int duel_run(settings *s, lit *a, lit *b, duel *d)
+int duel_run(settings *s, lit *a, lit *b, duel *d) { return duel_turns(s, lit_run, a, b, d); }
+
+int duel_turns(settings *s, timing_run *run, void *a, void *b, duel *d)
 {
     double begun, ms;
     int    stable[2];
 
     d->runs = d->turns = 0;
-    if (!timing_warm(lit_run, a, 0.25 * s->seconds, &ms, &stable[0], s->error, sizeof s->error)
-        || !timing_warm(lit_run, b, 0.25 * s->seconds, &ms, &stable[1], s->error, sizeof s->error))
+    if (!timing_warm(run, a, 0.25 * s->seconds, &ms, &stable[0], s->error, sizeof s->error)
+        || !timing_warm(run, b, 0.25 * s->seconds, &ms, &stable[1], s->error, sizeof s->error))
         return TRADE_BACKEND;
     d->stable = stable[0] && stable[1];
     begun = seconds_now();
     for (; d->turns < s->repeat && d->runs + DUEL_BLOCK <= TIMING_RUNS_MAX; d->turns++, d->runs += DUEL_BLOCK) {
         if (d->turns >= 3 && seconds_now() - begun > s->seconds) break;
-        if (!take_turn(s, a, d, 0) || !take_turn(s, b, d, 1)) return TRADE_BACKEND;
+        if (!take_turn(s, run, a, d, 0) || !take_turn(s, run, b, d, 1)) return TRADE_BACKEND;
     }
     return TRADE_DONE;
 }

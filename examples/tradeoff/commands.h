@@ -8,9 +8,13 @@
 int  sweep_main(int argc, char **argv);
 int  pair_main(int argc, char **argv);
 int  ablate_main(int argc, char **argv);
+int  growth_main(int argc, char **argv);
+int  statements_main(int argc, char **argv);
 void sweep_help(void);
 void pair_help(void);
 void ablate_help(void);
+void growth_help(void);
+void statements_help(void);
 
 /* "hbil-tradeoff: " and s->error on stderr; returns code. */
 int  command_fail(const settings *s, int code);
@@ -30,6 +34,8 @@ typedef struct duel {
 } duel;
 /* s->repeat turns of each, or what fits into s->seconds, at least 3. An exit code. */
 int  duel_run(settings *s, lit *a, lit *b, duel *d);
+/* The same of anything that can be timed. */
+int  duel_turns(settings *s, timing_run *run, void *a, void *b, duel *d);
 /* A line of words for a ratio: "-12.3 % [-13.0, -11.5]", or "within noise". */
 void duel_words(const timing_ratio *r, char *out, size_t size);
 

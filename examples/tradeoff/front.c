@@ -121,14 +121,14 @@ static int config_order(const csv_row *a, const csv_row *b)
 }
 
 /* From the rows of a config, one a frame. */
-static void fill(point *p, const csv_row **rows, int count, int error_column, double *errors)
+static void fill(point *p, const csv_row *const *rows, int count, int error_column)
 {
     double logs = 0.0, squares = 0.0;
     int    i, k;
 
     memset(p, 0, sizeof *p);
     p->row = rows[0];
-    p->errors = errors;
+    p->rows = rows;
     for (i = 0; i < count; i++) {
         const double ms = rows[i]->number[CSV_ms_median], e = rows[i]->number[error_column];
 
@@ -139,7 +139,6 @@ static void fill(point *p, const csv_row **rows, int count, int error_column, do
         p->high = i && p->high > e ? p->high : e;
         logs += log(ms);
         squares += e * e;
-        errors[i] = e;
         for (k = 0; k < CSV_NUMBER_COUNT; k++)
             p->mean[k] += (csv_number_trait(k) == CSV_SQUARE ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
     }
@@ -166,6 +165,7 @@ int points_make(points *out, const csv *table, const selection *s, char *error, 
     int             count, i, end;
 
     memset(out, 0, sizeof *out);
+    out->rows = rows;
     if (!rows) return frame_error(error, error_size, "out of memory");
     count = collect(table, s, rows, error, error_size);
     if (count > 0 && (out->frames = malloc((size_t)count * sizeof *out->frames)) != NULL) {
@@ -174,16 +174,14 @@ int points_make(points *out, const csv *table, const selection *s, char *error, 
         out->frame_count = keep_last(out->frames, count, frame_order);
         qsort(rows, (size_t)count, sizeof *rows, by_config);
         count = keep_last(rows, count, config_order);
-        out->errors = malloc((size_t)count * sizeof *out->errors);
         out->list = malloc((size_t)count * sizeof *out->list);
     }
-    for (i = 0; out->errors && out->list && i < count; i = end) {
+    for (i = 0; out->list && i < count; i = end) {
         for (end = i + 1; end < count && same(rows[i]->text[CSV_config_hash], rows[end]->text[CSV_config_hash]); end++)
             continue;
-        if (end - i == out->frame_count) fill(&out->list[out->count++], rows + i, end - i, s->error, out->errors + i);
+        if (end - i == out->frame_count) fill(&out->list[out->count++], rows + i, end - i, s->error);
         else out->left_out++;
     }
-    free(rows);
     if (out->count > 0) {
         qsort(out->list, (size_t)out->count, sizeof *out->list, by_time);
         mark_front(out);
@@ -201,7 +199,7 @@ void points_free(points *p)
 {
     free(p->list);
     free((void *)p->frames);
-    free(p->errors);
+    free((void *)p->rows);
     memset(p, 0, sizeof *p);
 }
 

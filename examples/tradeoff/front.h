@@ -17,7 +17,7 @@ typedef struct point {
     double         ms, ms_low, ms_high;  /* median times: geometric mean over frames, and extremes */
     double         error, low, high;     /* root mean square over frames, and extremes */
     double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, see csv_number_trait; NaN: a frame has none */
-    const double  *errors;               /* of each frame */
+    const csv_row *const *rows;          /* of each frame */
     int            on_front;
 } point;
 
@@ -28,7 +28,7 @@ typedef struct points {
     const csv_row **frames; /* a row of each frame, by frame_count */
     int          frame_count;
     int          left_out;  /* configs that lack a frame: they cannot be compared */
-    double      *errors;    /* storage */
+    const csv_row **rows;   /* storage */
 } points;
 
 /* 1; 0: error[] says what there is instead. The table must outlive the points. */

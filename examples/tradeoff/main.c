@@ -1,5 +1,5 @@
 /* hbil-tradeoff - what accuracy costs on this device and these frames: sweeps options, compares two configs, drops
- * features. */
+ * features, tells how cost grows, checks what the articles say. */
 #include <stdio.h>
 #include <string.h>
 
@@ -16,9 +16,13 @@ static void help(void)
     pair_help();
     putchar('\n');
     ablate_help();
+    putchar('\n');
+    growth_help();
+    putchar('\n');
+    statements_help();
     fputs(
-        "\n  report, recommend: from the results of a sweep; hbil-tradeoff report --help tells more\n\n"
-        "frames and runs, in sweep, pair and ablate:\n",
+        "\n  report, recommend, compare: from the results of sweeps; hbil-tradeoff report --help tells more\n\n"
+        "frames and runs, in all but these:\n",
         stdout);
     settings_help();
     fputs(
@@ -29,8 +33,8 @@ static void help(void)
         "  model      of the config against the path-traced scene: what the screen does not show is in it\n"
         "  Frames without hf-NNN.exr get their height field traced on about 2000 pixels. Truths of near and far\n"
         "  light of frames with f0 are taken times 1 - F0.\n"
-        "exit: 0 done; 1 all configs refused; 2 usage; 3 a file cannot be read or written, or is malformed;\n"
-        "      4 frame and config do not fit each other; 5 backend, driver or memory\n",
+        "exit: 0 done; 1 all configs refused, or growth is off; 2 usage; 3 a file cannot be read or written, or is\n"
+        "      malformed; 4 frame and config do not fit each other; 5 backend, driver or memory\n",
         stdout);
 }
 
@@ -46,9 +50,12 @@ int main(int argc, char **argv)
     if (strcmp(name, "sweep") == 0) return sweep_main(argc - 2, argv + 2);
     if (strcmp(name, "pair") == 0) return pair_main(argc - 2, argv + 2);
     if (strcmp(name, "ablate") == 0) return ablate_main(argc - 2, argv + 2);
+    if (strcmp(name, "growth") == 0) return growth_main(argc - 2, argv + 2);
+    if (strcmp(name, "statements") == 0) return statements_main(argc - 2, argv + 2);
     if (analysis_knows(name)) return analysis_main(argc, argv);
     fprintf(stderr,
-            "hbil-tradeoff: %s: must be sweep, pair, ablate, report or recommend; hbil-tradeoff --help tells more\n",
+            "hbil-tradeoff: %s: must be sweep, pair, ablate, growth, statements, report, recommend or compare; "
+            "hbil-tradeoff --help tells more\n",
             *name ? name : "no command");
     return TRADE_USAGE;
 }

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The command line of hbil-tradeoff: exit codes, a sweep that is killed and goes on, a pair, an ablation.
+# The command line of hbil-tradeoff: exit codes, a sweep that is killed and goes on, a pair, an ablation, two
+# runs compared, statements.
 #   run.sh HBIL_TRADEOFF SHADERGEN TRADEOFF_FRAMES
 set -eu
 tool=$1 shadergen=$2 frames=$3
@@ -23,7 +24,7 @@ if [ "$got" -eq 5 ]; then cat "$work/log"; echo "skipped: no Vulkan device"; exi
 # ---- usage
 code 0 --help; says 'sweep'; says 'ablate'; says 'exit:'
 code 0 --version
-for command in sweep pair ablate; do code 0 $command --help; says -- '--cache'; done
+for command in sweep pair ablate growth statements; do code 0 $command --help; says -- '--cache'; done
 code 2; says 'must be sweep'
 code 2 swoop
 code 2 sweep --scene fence; says '--out'
@@ -88,6 +89,27 @@ set=$(sed -n 's/^    shadergen --set //p' "$work/log")
 "$shadergen" --set "$set" --pass march >/dev/null || fail "the smallest config does not resolve"
 if [ "$set" = 'outputs=ao,march=sweep,slices=2,filter=5x5' ]; then fail "half as much error again, and nothing was dropped"; fi
 
+# ---- a sweep against itself, and against the one that went on: other times, the same errors
+code 0 compare "$work/whole.csv" "$work/whole.csv"; says 'equal to the last digit'; says '^the same'
+got=0; "$tool" compare "$work/whole.csv" "$work/killed.csv" >"$work/log" 2>&1 || got=$?
+[ "$got" -le 1 ] || fail "exit $got: compare"
+says '15 match, of 8 configs'; says 'equal to the last digit'
+sed 's/^\(\([^,]*,\)\{19\}\)[^,]*/\19/' "$work/whole.csv" >"$work/other.csv" # rmse_sampling 9
+code 1 compare "$work/whole.csv" "$work/other.csv"; says '15 rows differ, most rmse_sampling'
+code 2 compare "$work/whole.csv"; says 'two runs'
+code 3 compare "$work/whole.csv" "$work/none.csv"; says 'none.csv'
+
+# ---- statements
+code 2 statements $frame --only slices,nonsense; says '--only nonsense'
+code 2 statements $frame -o; says 'without its value'
+code 3 statements $frame --only fresnel --repeat 3 --seconds 0.1 -o "$work/no/page.md"; says '^## fresnel'
+code 0 statements $frame --only slices,fresnel --repeat 3 --seconds 0.1 -o "$work/page.md"
+cp "$work/page.md" "$work/log"
+says '^## slices'; says '^## fresnel'; says '| 0.5 | 0.496 |'
+says '^| `slices=16 steps=2` | 0'; says '^- \*\*does not hold\*\*: it is at most 0.03 %'
+says '\*\*: 4 slices of 4 steps have less noise in ao than 2 of 8 (HBAO + GTAO article, GTAO: Noise): 0'
+if grep -q '^## half' "$work/log"; then fail "--only shows others"; fi
+
 # ---- captures in folders: a sequence with its history; metals
 mkdir "$work/captures"
 "$frames" "$work/captures" || fail "no captures were written"
@@ -98,4 +120,15 @@ noise() { awk -F, -v c="$1" '$8 == "move" && $11 == "ao" && (index($3, "temporal
 awk "BEGIN { exit !($(noise 1) < $(noise 0)) }" || fail "a history of three frames takes no noise away"
 code 0 ablate 'f0=scalar march=sweep slices=2 outputs=near' --frames "$work/captures/metal" $common --repeat 3
 awk -F'|' '/f0=none/ { found = $6 + 0 } END { exit !(found > 5) }' "$work/log" || { cat "$work/log"; fail "metals lose nothing without f0"; }
+
+# ---- how cost grows: at this size it may well be off
+code 2 growth --scene fence --part all; says 'fit or bound'
+code 1 growth --part bound --preset slow $frame; says 'slow'
+got=0
+"$tool" growth --frames "$work/captures/metal" $common --repeat 3 --preset fast,sampled -o "$work/growth.md" >"$work/log" 2>&1 || got=$?
+[ "$got" -le 1 ] || { cat "$work/log"; fail "exit $got of growth"; }
+[ "$(grep -c '^ns a pixel = ' "$work/growth.md")" -eq 2 ] || { cat "$work/growth.md"; fail "two laws expected"; }
+grep -q 'not\*\* within' "$work/growth.md" && law=1 || law=0
+[ "$got" -eq "$law" ] || { cat "$work/growth.md"; fail "exit $got does not say what the page says"; }
+[ "$(grep -c '^| fast\|^| sampled' "$work/growth.md")" -eq 3 ] || { cat "$work/growth.md"; fail "three passes expected"; }
 echo "all passed"

@@ -623,8 +623,8 @@ static void recommendations_are_the_known_ones(void **state)
     p = make_points(&table, "ao", "two", NULL); /* frame two is three times as hard: an anchor tells */
     one = make_points(&table, "ao", NULL, "two");
     best = points_find(&p, "b");
-    NEAR(recommend_predict(&p, best, NULL, 0.0), 0.04, EXACT);
-    NEAR(recommend_predict(&p, best, points_find(&p, "d"), points_find(&one, "d")->error), 0.12, EXACT);
+    NEAR(recommend_predict(&p, best, NULL, NULL, CSV_rmse_hf), 0.04, EXACT);
+    NEAR(recommend_predict(&p, best, points_find(&p, "d"), points_find(&one, "d")->row, CSV_rmse_hf), 0.12, EXACT);
     points_free(&one);
     points_free(&p);
     csv_free(&table);
@@ -634,6 +634,44 @@ static void recommendations_are_the_known_ones(void **state)
     command = recommend_command("");
     assert_string_equal(command, "shadergen");
     free(command);
+}
+
+/* Error^2 is sampling^2 + rest^2. Frame two has twice the sampling error of the anchor and its own rest. */
+static void a_prediction_scales_the_samples_and_keeps_the_rest(void **state)
+{
+    static const struct { const char *hash, *frame; double sampling, rest, estimator; } rows[] = {
+        {"a", "one", 0.03, 0.04, 0.05}, {"b", "one", 0.06, 0.04, 0.05}, {"c", "one", 0.03, 0.08, 0.09},
+        {"a", "two", 0.05, 0.12, 0.13}, {"b", "two", 0.10, 0.12, 0.13}, {"c", "two", 0.05, 0.24, 0.25},
+    };
+    csv_row      row[6];
+    const csv_row *of[6];
+    point        point_of[3];
+    points       p;
+    size_t       i;
+
+    (void)state;
+    memset(row, 0, sizeof row);
+    memset(point_of, 0, sizeof point_of);
+    memset(&p, 0, sizeof p);
+    for (i = 0; i < 6; i++) {
+        row[i].number[CSV_rmse_sampling] = rows[i].sampling;
+        row[i].number[CSV_rmse_hf] = hypot(rows[i].sampling, rows[i].rest);
+        row[i].number[CSV_rmse_estimator] = rows[i].estimator;
+        row[i].text[CSV_config_hash] = row[i].text[CSV_preset] = row[i].text[CSV_config] = rows[i].hash;
+        of[i] = &row[i];
+        if (i < 3) {
+            point_of[i].row = &row[i];
+            point_of[i].rows = &of[i];
+        }
+    }
+    p.list = point_of;
+    p.count = 3;
+    p.frame_count = 1;
+    /* the same estimator: the rest of frame two as it is; another one: as much larger as on frame one */
+    NEAR(recommend_predict(&p, &point_of[1], &point_of[0], &row[3], CSV_rmse_hf), hypot(0.10, 0.12), EXACT);
+    NEAR(recommend_predict(&p, &point_of[2], &point_of[0], &row[3], CSV_rmse_hf), hypot(0.05, 0.24), EXACT);
+    assert_ptr_equal(recommend_anchor(&p, "b,a", &point_of[2], CSV_rmse_hf), &point_of[0]);
+    assert_null(recommend_anchor(&p, "a,d", &point_of[2], CSV_rmse_hf));
 }
 
 /* ---- command lines ----------------------------------------------------------------------------------------------- */
@@ -868,6 +906,7 @@ int main(void)
         cmocka_unit_test(the_grid_of_slices_and_steps_is_the_fullest),
         cmocka_unit_test(labels_keep_off_each_other_and_off_points),
         cmocka_unit_test(recommendations_are_the_known_ones),
+        cmocka_unit_test(a_prediction_scales_the_samples_and_keeps_the_rest),
         cmocka_unit_test(command_lines_end_with_the_documented_exit_codes),
         cmocka_unit_test(reports_have_tables_and_pictures),
         cmocka_unit_test(error_by_distance_is_drawn),
