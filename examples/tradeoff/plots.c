@@ -154,7 +154,7 @@ static void log_axis(FILE *out, char axis, double low, double high)
 
 /* The area with the points, and letters in it; pixels. */
 enum { AREA_LEFT = 80, AREA_BOTTOM = 80, AREA_WIDTH = 800, AREA_HEIGHT = 440 };
-#define LETTER_WIDTH  7.6
+#define LETTER_WIDTH  8.5
 #define LETTER_HEIGHT 15.0
 #define LINE_STEP     8    /* between the places of the front's line that names keep off */
 #define TIED          16.0 /* names further away are tied to their points */
