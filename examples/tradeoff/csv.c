@@ -11,11 +11,11 @@
 #define BYTES_MAX  ((size_t)1 << 28)
 #define FIELDS_MAX 128
 
-typedef struct column { const char *name; int must; } column;
+typedef struct column { const char *name; int trait; } column;
 
-#define CSV_COLUMN(name, must) {#name, must},
-static const column texts[] = {CSV_TEXTS(CSV_COLUMN)};
-static const column numbers[] = {CSV_NUMBERS(CSV_COLUMN)};
+#define CSV_COLUMN(name, trait, source) {#name, CSV_##trait},
+static const column texts[] = {CSV_COLUMNS(CSV_COLUMN, CSV_NONE)};
+static const column numbers[] = {CSV_COLUMNS(CSV_NONE, CSV_COLUMN)};
 
 /* A file that is being read, and where it has what. */
 typedef struct reader {
@@ -39,6 +39,7 @@ static int find(const column *columns, int count, const char *name)
 
 int         csv_number(const char *name) { return find(numbers, CSV_NUMBER_COUNT, name); }
 const char *csv_number_name(int index) { return numbers[index].name; }
+int         csv_number_trait(int index) { return numbers[index].trait; }
 
 /* Cuts a line into fields, in place. How many; FIELDS_MAX + 1: too many. */
 static int split(char *line, const char *fields[FIELDS_MAX])
@@ -84,17 +85,16 @@ static int read_header(reader *r, char *line)
     for (k = 0; k < CSV_TEXT_COUNT + CSV_NUMBER_COUNT; k++) {
         const column *c = k < CSV_TEXT_COUNT ? &texts[k] : &numbers[k - CSV_TEXT_COUNT];
 
-        if (c->must && (k < CSV_TEXT_COUNT ? r->text_at[k] : r->number_at[k - CSV_TEXT_COUNT]) < 0)
+        if (c->trait == CSV_MUST && (k < CSV_TEXT_COUNT ? r->text_at[k] : r->number_at[k - CSV_TEXT_COUNT]) < 0)
             return frame_error(r->error, r->error_size,
                                "%s:1: no column %s. Give a CSV of a sweep, its first line included", r->path, c->name);
     }
     return 1;
 }
 
-/* An error or a time cannot be negative; a bias can. */
 static int read_number(reader *r, int index, const char *text, double *out)
 {
-    const int signed_ = strncmp(numbers[index].name, "bias_", 5) == 0;
+    const int signed_ = csv_number_trait(index) == CSV_SIGNED;
     char     *end;
 
     *out = *text ? strtod(text, &end) : (double)NAN;

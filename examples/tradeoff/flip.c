@@ -250,13 +250,14 @@ static double pixel_flip(const view *r, const view *t, size_t i, double most)
     return pow(color, 1.0 - sqrt(fmax(edge, point) / sqrt(2.0)));
 }
 
-double metric_flip(const image *reference, const image *test, double pixels_per_degree, image *map)
+double metric_flip(const image *reference, const image *test, const unsigned char *mask, double pixels_per_degree,
+                   image *map)
 {
     static const triple green = {{0.0, 1.0, 0.0}}, blue = {{0.0, 0.0, 1.0}};
     const double        most = color_distance(hunt_lab(green), hunt_lab(blue));
     view                views[2];
     double              sum = 0.0, value;
-    size_t              i, count;
+    size_t              i, count, used = 0;
     int                 k, made = 0;
 
     if (map) memset(map, 0, sizeof *map);
@@ -270,11 +271,11 @@ double metric_flip(const image *reference, const image *test, double pixels_per_
         for (i = 0; i < count; i++) {
             value = pixel_flip(&views[0], &views[1], i, most);
             if (map) map->data[i] = (float)value;
+            if (mask && !mask[i]) continue;
             sum += value;
+            used++;
         }
-    } else {
-        sum = (double)NAN;
     }
     for (k = 0; k < 2; k++) view_free(&views[k]);
-    return sum / (double)count;
+    return used > 0 ? sum / (double)used : (double)NAN;
 }

@@ -19,16 +19,15 @@ const char *row_name(const csv_row *row)
     return row_is_external(row) ? row->text[CSV_config] + strlen(EXTERNAL) : row->text[CSV_preset];
 }
 
-static int is_rmse(int column) { return strncmp(csv_number_name(column), "rmse_", 5) == 0; }
+static int number_order(double a, double b) { return (a > b) - (a < b); } /* NaN equals all: the column is absent */
 
 /* Frames are told apart by name and size. */
 static int frame_order(const csv_row *a, const csv_row *b)
 {
     const int name = strcmp(a->text[CSV_frame], b->text[CSV_frame]);
+    const int width = number_order(a->number[CSV_width], b->number[CSV_width]);
 
-    if (name) return name;
-    if (a->number[CSV_width] != b->number[CSV_width]) return a->number[CSV_width] < b->number[CSV_width] ? -1 : 1;
-    return (a->number[CSV_height] > b->number[CSV_height]) - (a->number[CSV_height] < b->number[CSV_height]);
+    return name ? name : width ? width : number_order(a->number[CSV_height], b->number[CSV_height]);
 }
 
 static int by_frame(const void *a, const void *b)
@@ -75,7 +74,7 @@ static int nothing_selected(const csv *table, const selection *s, char *error, s
     int    i, k;
 
     for (k = 0; k < CSV_NUMBER_COUNT; k++) {
-        if (!is_rmse(k)) continue;
+        if (strncmp(csv_number_name(k), "rmse_", 5) != 0) continue;
         for (i = 0; i < table->count; i++) {
             const csv_row *row = &table->rows[i];
 
@@ -151,10 +150,10 @@ static void fill(point *p, const csv_row *const *rows, int count, int error_colu
         logs += log(ms);
         squares += e * e;
         for (k = 0; k < CSV_NUMBER_COUNT; k++)
-            p->mean[k] += (is_rmse(k) ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
+            p->mean[k] += (csv_number_trait(k) == CSV_SQUARE ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
     }
     for (k = 0; k < CSV_NUMBER_COUNT; k++)
-        if (is_rmse(k)) p->mean[k] = sqrt(p->mean[k]);
+        if (csv_number_trait(k) == CSV_SQUARE) p->mean[k] = sqrt(p->mean[k]);
     p->ms = exp(logs / count);
     p->error = sqrt(squares / count);
 }
@@ -253,6 +252,15 @@ void points_keep(points *p, const points *also)
         if (points_find(also, p->list[i].row->text[CSV_config_hash])) p->list[kept++] = p->list[i];
     p->count = kept;
     mark_front(p);
+}
+
+int points_know(const points *p, int column)
+{
+    int i;
+
+    for (i = 0; i < p->count; i++)
+        if (isfinite(p->list[i].mean[column])) return 1;
+    return 0;
 }
 
 static double ratio(double mine, double other) { return mine > other ? mine / other : 1.0; }

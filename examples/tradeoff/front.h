@@ -17,7 +17,7 @@ typedef struct point {
     const csv_row *row;                  /* one of its rows: hash, config, preset */
     double         ms, ms_low, ms_high;  /* median times: geometric mean over frames, and extremes */
     double         error, low, high;     /* root mean square over frames, and extremes */
-    double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, rmse_ squared; NaN: a frame has none */
+    double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, see csv_number_trait; NaN: a frame has none */
     const csv_row *const *rows;          /* of each frame */
     int            on_front;
 } point;
@@ -47,6 +47,8 @@ int          points_error(const csv *table, const selection *s);
 void         points_keep(points *p, const points *also);
 /* The fastest point with this config hash, preset, or config text; NULL: there is none. */
 const point *points_find(const points *p, const char *name);
+/* Has a point a mean of this column? */
+int          points_know(const points *p, int column);
 
 /* By how much one other config, which is in all of these sets and neither slower nor worse in any, betters this one: .1
  * if it takes 1/1.1 of the time or of an error. 0: nobody does. The sets are of one table and one device, an output or

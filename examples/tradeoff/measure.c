@@ -7,11 +7,11 @@
 
 #include "../../backends/hbil_glslang.h"
 #include "../../shadergen/cost.h"
-#include "metrics.h"
 
 #define FLICKER_FRAMES 6
 #define NOISY          0.1
 #define BURST          3
+#define GREY           0.18
 
 int measure_cost(settings *s, const lit *l, price *out)
 {
@@ -70,21 +70,76 @@ int measure_time(settings *s, lit *l, times *t)
     return TRADE_DONE;
 }
 
-static void compare(const image *out, const image *converged, const image *model, const image *field, const truth *t,
-                    int k, errors *e)
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
+
+/* What is white where the mean is grey; of ao, 1. 0: nothing is. */
+static double white_of(const image *img, const unsigned char *mask, int k)
 {
-    e->present = 1;
-    if (converged && converged->data) e->rmse_sampling = metric_rmse(out, converged, t->surface);
-    if (field) {
-        e->rmse_field = metric_rmse(out, field, t->field_mask[k]);
-        e->bias_field = metric_bias(out, field, t->field_mask[k]);
-        if (converged && converged->data) e->rmse_estimator = metric_rmse(converged, field, t->field_mask[k]);
+    const metric_sums sums = metric_compare(img, img, mask);
+
+    return k == OUT_AO ? 1.0 : sums.values > 0 ? sums.truth / (double)sums.values / GREY : 0.0;
+}
+
+/* What an eye would see of an output; where the mask is 0, the truth's. */
+static int compose(const capture *cap, const image *light, const image *model, const unsigned char *mask, int k,
+                   image *picture)
+{
+    const size_t count = (size_t)cap->width * (size_t)cap->height;
+    size_t       i;
+
+    if (!image_make(picture, cap->width, cap->height, 3)) return 0;
+    for (i = 0; i < 3 * count; i++) {
+        const image *from = mask[i / 3] ? light : model;
+
+        picture->data[i] = k == OUT_AO ? from->data[i / 3] : cap->albedo.data[i] * from->data[i];
+        if (k != OUT_NEAR) continue;
+        picture->data[i] += cap->direct.data[i] + (cap->emission.data ? cap->emission.data[i] : 0.0f);
     }
-    if (model) {
-        e->rmse_model = metric_rmse(out, model, t->model_mask);
-        e->bias_model = metric_bias(out, model, t->model_mask);
-        e->p95_model = metric_percentile(out, model, t->model_mask, 0.95);
+    return 1;
+}
+
+double measure_flip(const capture *cap, const image *out, const image *model, const unsigned char *mask, int k)
+{
+    const size_t count = 3 * (size_t)cap->width * (size_t)cap->height;
+    image        seen, meant;
+    double       white, result = (double)NAN;
+    size_t       i;
+
+    memset(&seen, 0, sizeof seen);
+    memset(&meant, 0, sizeof meant);
+    if (compose(cap, out, model, mask, k, &seen) && compose(cap, model, model, mask, k, &meant)) {
+        white = white_of(&meant, mask, k);
+        for (i = 0; i < count; i++) {
+            seen.data[i] = (float)((double)seen.data[i] / white);
+            meant.data[i] = (float)((double)meant.data[i] / white);
+        }
+        if (white > 0.0) result = metric_flip(&meant, &seen, mask, METRIC_FLIP_PPD, NULL);
     }
+    image_free(&seen);
+    image_free(&meant);
+    return result;
+}
+
+void measure_image(const settings *s, const capture *cap, const truth *t, const hbil_config *as, int k,
+                   const image *out, const image *converged, errors *e)
+{
+    const image         *model = truth_model(t, s, as, k), *field = truth_field(t, as, k);
+    const unsigned char *mask = t->model_mask, *field_mask = t->field_mask[k];
+
+    e->present = out->data != NULL;
+    e->rmse_sampling = metric_rmse(out, converged, t->surface);
+    e->rmse_estimator = metric_rmse(converged, field, field_mask);
+    e->rmse_field = metric_rmse(out, field, field_mask);
+    e->bias_field = metric_bias(out, field, field_mask);
+    metric_rings(out, field, field_mask, e->ring_field);
+    e->rmse_model = metric_rmse(out, model, mask);
+    e->bias_model = metric_bias(out, model, mask);
+    e->p95_model = metric_percentile(out, model, mask, 0.95);
+    e->relative = metric_relative(out, model, mask);
+    e->psnr = metric_psnr(out, model, mask, white_of(model, mask, k));
+    e->edge_rmse = metric_edge_rmse(out, model, mask, &cap->depth);
+    metric_rings(out, model, mask, e->ring_model);
+    e->flip = e->flicker = (double)NAN;
 }
 
 /* The frames after the one that was judged, with a still camera; none where the first of them takes too long. */
@@ -107,27 +162,22 @@ static int measure_flicker(settings *s, lit *l, const truth *t, errors out[OUTS]
     return ok;
 }
 
-int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int flicker,
+int measure_errors(settings *s, lit *l, const truth *t, const hbil_config *as, const image *converged, int slow,
                    errors out[OUTS])
 {
     image images[OUTS];
     int   k;
 
-    for (k = 0; k < OUTS; k++) {
-        errors *e = &out[k];
-
-        e->present = 0;
-        e->rmse_sampling = e->rmse_estimator = e->rmse_model = e->bias_model = e->p95_model = e->rmse_field =
-            e->bias_field = e->flicker = NAN;
-    }
     if (!lit_images(l, 0, images, s->error, sizeof s->error)) return TRADE_BACKEND;
     for (k = 0; k < OUTS; k++) {
-        if (images[k].data)
-            compare(&images[k], converged ? &converged[k] : NULL, truth_model(t, s, as, k), truth_field(t, as, k), t, k,
-                    &out[k]);
+        const capture *cap = subject_judged(l->sub);
+        const image   *model = truth_model(t, s, as, k);
+
+        measure_image(s, cap, t, as, k, &images[k], converged ? &converged[k] : NULL, &out[k]);
+        if (slow && model && images[k].data) out[k].flip = measure_flip(cap, &images[k], model, t->model_mask, k);
         image_free(&images[k]);
     }
-    return !flicker || measure_flicker(s, l, t, out) ? TRADE_DONE : TRADE_BACKEND;
+    return !slow || measure_flicker(s, l, t, out) ? TRADE_DONE : TRADE_BACKEND;
 }
 
 int measure_all(settings *s, lit *l, const truth *t, const image *converged, measured *m)

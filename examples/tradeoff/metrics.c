@@ -177,6 +177,26 @@ double metric_edge_rmse(const image *a, const image *b, const unsigned char *mas
     return result;
 }
 
+/* ---- rings ------------------------------------------------------------------------------------------------------- */
+
+void metric_rings(const image *a, const image *b, const unsigned char *mask, double rmse[METRIC_RINGS])
+{
+    metric_sums rings[METRIC_RINGS];
+    int         x, y, k;
+
+    memset(rings, 0, sizeof rings);
+    for (y = 0; same_shape(a, b) && y < a->height; y++) {
+        for (x = 0; x < a->width; x++) {
+            const size_t at = (size_t)y * (size_t)a->width + (size_t)x, value = at * (size_t)a->channels;
+            const double r = hypot(2 * x + 1 - a->width, 2 * y + 1 - a->height) / hypot(a->width, a->height); /* < 1 */
+
+            if (!mask || mask[at])
+                metric_add(&rings[(int)(METRIC_RINGS * r)], a->data + value, b->data + value, a->channels);
+        }
+    }
+    for (k = 0; k < METRIC_RINGS; k++) rmse[k] = metric_sums_rmse(&rings[k]);
+}
+
 /* ---- over time --------------------------------------------------------------------------------------------------- */
 
 double metric_flicker(const image *frames, int count, const unsigned char *mask)

@@ -32,6 +32,10 @@ double metric_psnr(const image *a, const image *b, const unsigned char *mask, do
 /* RMSE of the two pixels either side of every step in linear depth (m, sky >= 1e9) of more than 5 % of the nearer depth
  * between pixels that share a side. NaN also without memory. */
 double metric_edge_rmse(const image *a, const image *b, const unsigned char *mask, const image *depth);
+#define METRIC_RINGS 5
+/* RMSE by distance from the image's centre: in rings of equal width, the corner at the end of the last. NaN where a
+ * ring has no pixel. */
+void   metric_rings(const image *a, const image *b, const unsigned char *mask, double rmse[METRIC_RINGS]);
 /* Standard deviation over time of each pixel's channels, mean over pixels: 0 if nothing moves. The camera stands still;
  * count >= 2. */
 double metric_flicker(const image *frames, int count, const unsigned char *mask);
@@ -40,8 +44,9 @@ double metric_flicker(const image *frames, int count, const unsigned char *mask)
 
 /* LDR-FLIP, mean over the image, 0 to 1; symmetric. Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild:
  * FLIP: A Difference Evaluator for Alternating Images, HPG 2020. Linear sRGB, 3 channels; values are clamped to [0, 1],
- * NaN to 0. pixels_per_degree in (0, 400]. map: NULL, or gets the value of every pixel, 1 channel; free it with
- * image_free. NaN, and map absent: other shape or range, or no memory. */
-double metric_flip(const image *reference, const image *test, double pixels_per_degree, image *map);
+ * NaN to 0. Masked pixels are neighbours all the same. pixels_per_degree in (0, 400]. map: NULL, or gets the value of
+ * every pixel, 1 channel; free it with image_free. NaN, and map absent: other shape or range, or no memory. */
+double metric_flip(const image *reference, const image *test, const unsigned char *mask, double pixels_per_degree,
+                   image *map);
 
 #endif

@@ -46,36 +46,28 @@ static void cell(FILE *out, const char *format, double value)
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Columns of the table beside time, error and config, where they are known of any point. */
+/* Columns of the table beside time, error and config, where they are known of any point. The CSV has more. */
 static const struct { int column; const char *format; } extras[] = {
     {CSV_rmse_sampling, "%.4f"}, {CSV_rmse_estimator, "%.4f"}, {CSV_rmse_hf, "%.4f"}, {CSV_bias_hf, "%+.4f"},
-    {CSV_rmse_model, "%.4f"}, {CSV_bias_model, "%+.4f"}, {CSV_p95_model, "%.4f"}, {CSV_flicker, "%.4f"},
-    {CSV_noise, "%.4f"}, {CSV_fetches, "%.1f"}, {CSV_bytes_read, "%.0f"}, {CSV_bytes_written, "%.0f"},
+    {CSV_rmse_model, "%.4f"}, {CSV_bias_model, "%+.4f"}, {CSV_edge_rmse, "%.4f"}, {CSV_psnr, "%.1f"},
+    {CSV_flip, "%.4f"}, {CSV_flicker, "%.4f"}, {CSV_noise, "%.2g"}, {CSV_fetches, "%.1f"},
 };
 #define EXTRAS ((int)(sizeof extras / sizeof *extras))
 
-static int known(const points *p, int column)
-{
-    int i;
-
-    for (i = 0; i < p->count; i++)
-        if (isfinite(p->list[i].mean[column])) return 1;
-    return 0;
-}
-
 static int shown(const points *p, const selection *s, int extra)
 {
-    return extras[extra].column != s->error && known(p, extras[extra].column);
+    return extras[extra].column != s->error && points_know(p, extras[extra].column);
 }
 
 static void write_head(FILE *out, const points *p, const selection *s, int on_front)
 {
-    int k;
+    const char *range = p->frame_count > 1 ? " over frames |" : "", *line = *range ? "---|" : "";
+    int         k;
 
-    fprintf(out, "| preset | ms | over frames | %s | over frames |", csv_number_name(s->error));
+    fprintf(out, "| preset | ms |%s %s |%s", range, csv_number_name(s->error), range);
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) fprintf(out, " %s |", csv_number_name(extras[k].column));
-    fprintf(out, "%s config |\n|---|---:|---|---:|---|", on_front ? "" : " dominated by |");
+    fprintf(out, "%s config |\n|---|---:|%s---:|%s", on_front ? "" : " dominated by |", line, line);
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) fputs("---:|", out);
     fputs(on_front ? "---|\n" : "---|---|\n", out);
@@ -90,9 +82,9 @@ static void write_point(FILE *out, const points *p, const selection *s, const po
 
     fprintf(out, "| %s%s%s |", preset[0] ? "`" : "", preset, preset[0] ? "`" : "");
     cell(out, "%.4g", q->ms);
-    fprintf(out, " %.4g to %.4g |", q->ms_low, q->ms_high);
+    if (p->frame_count > 1) fprintf(out, " %.4g to %.4g |", q->ms_low, q->ms_high);
     cell(out, "%.4f", q->error);
-    fprintf(out, " %.4f to %.4f |", q->low, q->high);
+    if (p->frame_count > 1) fprintf(out, " %.4f to %.4f |", q->low, q->high);
     for (k = 0; k < EXTRAS; k++)
         if (shown(p, s, k)) cell(out, extras[k].format, q->mean[extras[k].column]);
     if (by) fprintf(out, " %.1f %%: %.4g ms, %.4f |", 100.0 * gain, by->ms, by->error);
@@ -136,26 +128,63 @@ static int write_front(page *pg, const points *p, const selection *s)
     return plot_front(p, s, stem, title, pg->error, pg->error_size);
 }
 
+static int write_rings(page *pg, const points *p, const selection *s)
+{
+    char stem[PATH_BYTES], title[256];
+
+    if (!pg->pictures) return 1;
+    if (!plot_rings_known(p)) {
+        fputs("\nError by distance from the image's centre: left out, the CSV has no columns `ring1_hf` to "
+              "`ring5_model`.\n", pg->out);
+        return 1;
+    }
+    stem_of(stem, pg, s, "rings");
+    snprintf(title, sizeof title, "%s: error by distance from the image's centre", s->output);
+    fprintf(pg->out, "\n![Error by distance from the image's centre](%s-rings.svg)\n\n*Error by distance from the "
+            "image's centre, in five rings of equal width: presets, and the ends of the front.*\n", s->output);
+    return plot_rings(p, stem, title, pg->error, pg->error_size);
+}
+
+/* Values that can be compared with none have no factor. */
+static void write_factors(FILE *out, const marginal *list, int count)
+{
+    int i, k;
+
+    fputs("\n| option | error | time | pairs |\n|---|---:|---:|---:|\n", out);
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < list[i].values; k++) {
+            if (!isfinite(list[i].error[k])) continue;
+            fprintf(out, "| `%s=%s` |", list[i].option, list[i].value[k]);
+            cell(out, "%.3f", list[i].error[k]);
+            cell(out, "%.3f", list[i].ms[k]);
+            cell(out, "%.0f", list[i].pairs[k] > 0 ? list[i].pairs[k] : (double)NAN);
+            fputc('\n', out);
+        }
+    }
+}
+
 static int write_options(page *pg, const points *p, const selection *s)
 {
     char      stem[PATH_BYTES], title[256];
     marginal *list;
     int       count, ok = 1;
 
-    if (!pg->pictures) return 1;
     list = marginals_make(p, &count);
     if (count < 0) return frame_error(pg->error, pg->error_size, "out of memory");
     if (count == 0) {
         fputs("\nEach option alone: left out, no two configs differ in a single one.\n", pg->out);
         return 1;
     }
-    stem_of(stem, pg, s, "options");
-    snprintf(title, sizeof title, "%s of %s and ms: factors of each option alone", csv_number_name(s->error),
-             s->output);
-    fprintf(pg->out, "\n![Each option alone: factors of error and time](%s-options.svg)\n\n*Each option alone: a step "
-                     "is the geometric mean "
-            "over all pairs of configs that differ in nothing else.*\n", s->output);
-    ok = plot_marginals(list, count, stem, title, pg->error, pg->error_size);
+    if (pg->pictures) {
+        stem_of(stem, pg, s, "options");
+        snprintf(title, sizeof title, "%s of %s and ms: factors of each option alone", csv_number_name(s->error),
+                 s->output);
+        fprintf(pg->out, "\n![Each option alone: factors of error and time](%s-options.svg)\n", s->output);
+        ok = plot_marginals(list, count, stem, title, pg->error, pg->error_size);
+    }
+    fputs("\n*Each option alone: factors against its first value; a step is the geometric mean over all pairs of "
+          "configs that differ in nothing else.*\n", pg->out);
+    write_factors(pg->out, list, count);
     free(list);
     return ok;
 }
@@ -204,7 +233,7 @@ static int write_output(page *pg, const csv *table, const selection *s)
     fputc('\n', pg->out);
     ok = write_front(pg, &p, s);
     if (ok) write_tables(pg->out, &p, s);
-    ok = ok && write_options(pg, &p, s) && write_grid(pg, &p, s);
+    ok = ok && write_rings(pg, &p, s) && write_options(pg, &p, s) && write_grid(pg, &p, s);
     points_free(&p);
     return ok;
 }
@@ -218,9 +247,6 @@ static int write_page(page *pg, const csv *table, const selection *s, int *nothi
           "Time: the geometric mean over frames of each frame's median; error: the root mean square over frames. "
           "\"Dominated by\" is by how much "
           "another config is better that is neither slower nor worse.\n", pg->out);
-    if (pg->pictures)
-        fputs("Error by distance from the image's centre is left out: the sweep records one number per frame.\n",
-              pg->out);
     for (i = 0; ok && i < 3; i++) {
         if (s->output && strcmp(s->output, outputs[i]) != 0) continue;
         one.output = outputs[i];

@@ -11,12 +11,24 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "csv.h"
+
 #define FILE_MAX ((size_t)1 << 28)
 #define KEY_MAX  512
 #define ROW_MAX  4096
 
-/* Columns of the key. */
-enum { VERSION, HASH, CONFIG_TEXT, PRESET, DEVICE, DRIVER, BACKEND, FRAME, WIDTH, HEIGHT, OUTPUT };
+#define AT(name, trait, source)   AT_##name,
+#define NAME(name, trait, source) "," #name
+enum { CSV_COLUMNS(AT, AT) COLUMNS };
+static const char        with_comma[] = CSV_COLUMNS(NAME, NAME) "\n";
+static const char *const header = with_comma + 1;
+
+/* What a config's rows on a frame begin with. */
+typedef struct origin {
+    char        version[32], hash[24], device[128], driver[128];
+    const char *config, *preset, *backend, *frame;
+    int         width, height;
+} origin;
 
 static int compare_keys(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
 
@@ -28,18 +40,26 @@ static void clean(char *out, size_t size, const char *text)
         if (*out == ',' || *out == '\n' || *out == '\r' || *out == '"') *out = *out == ',' ? ';' : ' ';
 }
 
-static void version_text(char out[32])
+static void find_origin(origin *of, const runner_info *about, uint64_t hash, const char *frame, int width, int height)
 {
-    snprintf(out, 32, "%d.%d.%d", HBIL_VERSION_MAJOR, HBIL_VERSION_MINOR, HBIL_VERSION_PATCH);
+    memset(of, 0, sizeof *of);
+    snprintf(of->version, sizeof of->version, "%d.%d.%d", HBIL_VERSION_MAJOR, HBIL_VERSION_MINOR, HBIL_VERSION_PATCH);
+    snprintf(of->hash, sizeof of->hash, "%016llx", (unsigned long long)hash);
+    clean(of->device, sizeof of->device, about->device);
+    clean(of->driver, sizeof of->driver, about->driver);
+    of->backend = about->backend;
+    of->frame = frame;
+    of->width = width;
+    of->height = height;
 }
 
 /* The cells of a line, in place. How many. */
-static int split(char *line, char *cells[ROWS_COLUMNS])
+static int split(char *line, char *cells[COLUMNS])
 {
     int count = 0;
 
     for (;;) {
-        if (count < ROWS_COLUMNS) cells[count] = line;
+        if (count < COLUMNS) cells[count] = line;
         count++;
         line = strchr(line, ',');
         if (!line) return count;
@@ -47,26 +67,24 @@ static int split(char *line, char *cells[ROWS_COLUMNS])
     }
 }
 
-static char *key_of_cells(char *const c[ROWS_COLUMNS])
+static char *key_of_cells(char *const c[COLUMNS])
 {
     char *key = malloc(KEY_MAX);
 
     if (key)
-        snprintf(key, KEY_MAX, "%s|%s|%s|%s|%s|%sx%s|%s", c[DEVICE], c[DRIVER], c[VERSION], c[HASH], c[FRAME], c[WIDTH],
-                 c[HEIGHT], c[OUTPUT]);
+        snprintf(key, KEY_MAX, "%s|%s|%s|%s|%s|%sx%s|%s", c[AT_device], c[AT_driver], c[AT_version], c[AT_config_hash],
+                 c[AT_frame], c[AT_width], c[AT_height], c[AT_output]);
     return key;
 }
 
 void rows_key(char *out, size_t size, const runner_info *about, uint64_t hash, const char *frame, int width,
               int height, int output)
 {
-    char device[128], driver[128], version[32];
+    origin of;
 
-    clean(device, sizeof device, about->device);
-    clean(driver, sizeof driver, about->driver);
-    version_text(version);
-    snprintf(out, size, "%s|%s|%s|%016llx|%s|%dx%d|%s", device, driver, version,
-             (unsigned long long)hash, frame, width, height, out_names[output]);
+    find_origin(&of, about, hash, frame, width, height);
+    snprintf(out, size, "%s|%s|%s|%s|%s|%dx%d|%s", of.device, of.driver, of.version, of.hash, frame, width, height,
+             out_names[output]);
 }
 
 /* All of the file, terminated. NULL: errno says why. */
@@ -90,15 +108,15 @@ static char *read_file(int file, size_t *size)
 /* Keys of all rows behind the header. The text is cut up. */
 static int read_rows(rows *r, const char *path, char *text, char *error, size_t error_size)
 {
-    char *line = strchr(text, '\n') + 1, *end, *cells[ROWS_COLUMNS];
+    char *line = strchr(text, '\n') + 1, *end, *cells[COLUMNS];
     int   number = 2, room = 0;
 
     for (; *line; line = end + 1, number++) {
         end = strchr(line, '\n');
         *end = 0;
-        if (split(line, cells) != ROWS_COLUMNS)
+        if (split(line, cells) != COLUMNS)
             return frame_error(error, error_size, "%s: line %d has not %d cells. Remove it, or choose another --out",
-                               path, number, ROWS_COLUMNS);
+                               path, number, COLUMNS);
         if (r->count == room) {
             char **more = realloc(r->keys, (size_t)(room = room ? 2 * room : 256) * sizeof *more);
 
@@ -128,18 +146,18 @@ static int write_all(int file, const char *text, size_t size)
 /* Cuts off a torn last line, checks the header, writes it into an empty file. */
 static int mend(rows *r, const char *path, char *text, size_t size, char *error, size_t error_size)
 {
-    const size_t header = strlen(ROWS_HEADER "\n");
+    const size_t head = sizeof with_comma - 2;
     size_t       whole = size;
 
     while (whole > 0 && text[whole - 1] != '\n') whole--;
-    if (whole > 0 && strncmp(text, ROWS_HEADER "\n", header) != 0)
+    if (whole > 0 && strncmp(text, header, head) != 0)
         return frame_error(error, error_size, "%s: is no results file of this version. Choose another --out", path);
-    if (whole == 0 && strncmp(text, ROWS_HEADER, size) != 0)
+    if (whole == 0 && strncmp(text, header, size) != 0)
         return frame_error(error, error_size, "%s: is no results file. Choose another --out", path);
     r->repaired = (int)(size - whole);
     text[whole] = 0;
     if ((whole < size && ftruncate(r->file, (off_t)whole) != 0)
-        || (whole == 0 && !write_all(r->file, ROWS_HEADER "\n", header)))
+        || (whole == 0 && !write_all(r->file, header, head)))
         return frame_error(error, error_size, "%s: %s. Make room, or choose another --out", path, strerror(errno));
     return whole == 0 || read_rows(r, path, text, error, error_size);
 }
@@ -192,36 +210,33 @@ static size_t put_number(char *text, size_t used, size_t size, double value)
     return used + (size_t)wrote;
 }
 
+#define PUT_TEXT(name, trait, source)   used += (size_t)snprintf(text + used, size - used, "%s,", source);
+#define PUT_NUMBER(name, trait, source) used = put_number(text, used, size, source);
+
 /* One row. Its length. */
-static size_t make_row(char *text, size_t size, const char *left, int output, const measured *m)
+static size_t make_row(char *text, size_t size, const origin *of, int output, const measured *m)
 {
     const errors *e = &m->out[output];
-    const times  *t = &m->time;
-    const double  head[] = {
-        t->min, t->median, t->max, t->runs, m->cost.fetches, m->cost.bytes_read, m->cost.bytes_written,
-        m->cost.registers, e->rmse_sampling, e->rmse_estimator, e->rmse_model, e->bias_model, e->p95_model,
-        e->rmse_field, e->bias_field, e->flicker};
-    size_t        used = (size_t)snprintf(text, size, "%s,%s,", left, out_names[output]), i;
+    size_t        used = 0;
 
-    for (i = 0; i < sizeof head / sizeof *head; i++) used = put_number(text, used, size, head[i]);
-    return used + (size_t)snprintf(text + used, size - used, "%d\n", t->noisy);
+    CSV_COLUMNS(PUT_TEXT, PUT_NUMBER)
+    text[used - 1] = '\n';
+    return used;
 }
 
 int rows_add(rows *r, const runner_info *about, uint64_t hash, const char *words, const char *preset, const char *frame,
              int width, int height, const measured *m, unsigned wanted, char *error, size_t error_size)
 {
-    char   device[128], driver[128], version[32], left[ROW_MAX - 1024], text[OUTS * ROW_MAX];
+    char   text[OUTS * ROW_MAX];
     size_t used = 0;
+    origin of;
     int    k;
 
-    clean(device, sizeof device, about->device);
-    clean(driver, sizeof driver, about->driver);
-    version_text(version);
-    snprintf(left, sizeof left, "%s,%016llx,%s,%s,%s,%s,%s,%s,%d,%d", version,
-             (unsigned long long)hash, words, preset, device, driver, about->backend, frame, width,
-             height);
+    find_origin(&of, about, hash, frame, width, height);
+    of.config = words;
+    of.preset = preset;
     for (k = 0; k < OUTS; k++)
-        if (m->out[k].present && (wanted & 1u << k)) used += make_row(text + used, ROW_MAX, left, k, m);
+        if (m->out[k].present && (wanted & 1u << k)) used += make_row(text + used, ROW_MAX, &of, k, m);
     return write_all(r->file, text, used)
         || frame_error(error, error_size, "the results cannot be written: %s. Make room and go on", strerror(errno));
 }

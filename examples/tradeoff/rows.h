@@ -1,14 +1,9 @@
-/* rows.h - the results file: one row per config, frame and output, appended whole, read again when a sweep goes on. */
+/* rows.h - the results file: one row per config, frame and output, its columns those of csv.h, appended
+ * whole, read again when a sweep goes on. */
 #ifndef HBIL_TRADEOFF_ROWS_H
 #define HBIL_TRADEOFF_ROWS_H
 
 #include "measure.h"
-
-#define ROWS_HEADER                                                                                                    \
-    "version,config_hash,config,preset,device,driver,backend,frame,width,height,output,ms_min,ms_median,ms_max,runs,"  \
-    "fetches,bytes_read,bytes_written,registers,rmse_sampling,rmse_estimator,rmse_model,bias_model,p95_model,"         \
-    "rmse_hf,bias_hf,flicker,noise"
-#define ROWS_COLUMNS 28
 
 typedef struct rows {
     int    file;            /* descriptor, locked against a second sweep */

@@ -9,6 +9,7 @@
 #define HBIL_IMPLEMENTATION
 #include "../test.h"
 #include "../../examples/tradeoff/analysis.h"
+#include "../../examples/tradeoff/labels.h"
 #include "../../examples/tradeoff/marginals.h"
 #include "../../examples/tradeoff/metrics.h"
 #include "../../examples/tradeoff/recommend.h"
@@ -106,6 +107,46 @@ static void edges_are_two_pixels_either_side_of_a_step(void **state)
     image_free(&a), image_free(&b), image_free(&depth);
 }
 
+/* Of 10 x 1 pixels the corner is sqrt(25.25) from the centre: pixels at .5, 1.5 ... 4.5 are at .0995, .2985, .4975,
+ * .6965, .8955 of it, two in each ring. */
+static void rings_are_of_equal_width_from_the_centre_to_the_corner(void **state)
+{
+    const float         a_values[] = {0, 4, 3, 2, 1, 1, 4, 3, 4, NAN};
+    const unsigned char mask[] = {1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+    image               a = row_of(10, a_values), b = make_image(10, 1, 1), rgb = make_image(1, 1, 3),
+          black = make_image(1, 1, 3);
+    double              rmse[METRIC_RINGS];
+    int                 i;
+
+    (void)state;
+    metric_rings(&a, &b, mask, rmse);
+    assert_true(rmse[0] == 1.0 && isnan(rmse[2]) && rmse[3] == 4.0 && rmse[4] == 0.0);
+    NEAR(rmse[1], sqrt(10.0), EXACT); /* 2 and 4 */
+    rgb.data[1] = 3.0f;
+    metric_rings(&rgb, &black, NULL, rmse);
+    NEAR(rmse[0], sqrt(3.0), EXACT);
+    for (i = 1; i < METRIC_RINGS; i++) assert_true(isnan(rmse[i]));
+    metric_rings(&rgb, &b, NULL, rmse); /* another shape */
+    assert_true(isnan(rmse[0]));
+    image_free(&a), image_free(&b), image_free(&rgb), image_free(&black);
+}
+
+/* Corners of a square lie in the last ring, the middles of its sides in the fourth: .7 of the corner's distance. */
+static void rings_are_round(void **state)
+{
+    image  a = make_image(101, 101, 1), b = make_image(101, 101, 1);
+    double rmse[METRIC_RINGS];
+
+    (void)state;
+    a.data[0] = a.data[100] = a.data[101 * 100] = a.data[101 * 101 - 1] = 1.0f;
+    metric_rings(&a, &b, NULL, rmse);
+    assert_true(rmse[4] > 0.0 && rmse[3] == 0.0);
+    a.data[50] = a.data[101 * 50] = a.data[101 * 50 + 100] = a.data[101 * 100 + 50] = 1.0f;
+    metric_rings(&a, &b, NULL, rmse);
+    assert_true(rmse[3] > 0.0 && rmse[2] == 0.0);
+    image_free(&a), image_free(&b);
+}
+
 static void flicker_is_the_deviation_over_time(void **state)
 {
     image frames[2];
@@ -137,7 +178,7 @@ static image flat(float r, float g, float b)
 
 static double flip_of(image a, image b)
 {
-    const double value = metric_flip(&a, &b, METRIC_FLIP_PPD, NULL);
+    const double value = metric_flip(&a, &b, NULL, METRIC_FLIP_PPD, NULL);
 
     image_free(&a);
     image_free(&b);
@@ -181,24 +222,29 @@ static image pattern(int shift)
 /* The numbers are those of the authors' formulas with two-dimensional filters in double, by numpy. */
 static void flip_of_a_shifted_pattern_matches_the_published_formula(void **state)
 {
+    static unsigned char mask[96 * 72];
+
     image  a = pattern(0), b = pattern(1), map;
     double sum = 0.0, mean;
     int    i;
 
     (void)state;
-    mean = metric_flip(&a, &b, METRIC_FLIP_PPD, &map);
+    mean = metric_flip(&a, &b, NULL, METRIC_FLIP_PPD, &map);
     NEAR(mean, 0.1530490, 2e-6);
-    NEAR(metric_flip(&a, &b, 30.0, NULL), 0.2026636, 2e-6);
-    NEAR(metric_flip(&b, &a, METRIC_FLIP_PPD, NULL), mean, EXACT);
+    NEAR(metric_flip(&a, &b, NULL, 30.0, NULL), 0.2026636, 2e-6);
+    NEAR(metric_flip(&b, &a, NULL, METRIC_FLIP_PPD, NULL), mean, EXACT);
     for (i = 0; i < 96 * 72; i++) {
         assert_true(map.data[i] >= 0.0f && map.data[i] <= 1.0f);
         sum += (double)map.data[i] / (96.0 * 72.0);
     }
     NEAR(sum, mean, 1e-6);
-    assert_true(isnan(metric_flip(&a, &b, 0.0, NULL)) && isnan(metric_flip(&a, &b, 401.0, NULL)));
+    assert_true(isnan(metric_flip(&a, &b, mask, METRIC_FLIP_PPD, NULL)));
+    mask[7] = mask[96 * 40] = 1;
+    NEAR(metric_flip(&a, &b, mask, METRIC_FLIP_PPD, NULL), 0.5 * (double)(map.data[7] + map.data[96 * 40]), 1e-6);
+    assert_true(isnan(metric_flip(&a, &b, NULL, 0.0, NULL)) && isnan(metric_flip(&a, &b, NULL, 401.0, NULL)));
     image_free(&map);
     b.width--;
-    assert_true(isnan(metric_flip(&a, &b, 30.0, &map)) && !map.data);
+    assert_true(isnan(metric_flip(&a, &b, NULL, 30.0, &map)) && !map.data);
     image_free(&a);
     image_free(&b);
 }
@@ -352,6 +398,28 @@ static void fronts_match_numbers_worked_out_by_hand(void **state)
     csv_free(&table);
 }
 
+/* Of two frames: errors by their squares, the rest plain; a frame without a value leaves none. */
+static void columns_are_averaged_as_they_say(void **state)
+{
+    csv    table;
+    points p;
+
+    (void)state;
+    write_csv("config_hash,config,preset,device,backend,frame,output,ms_median,rmse_hf,ring5_hf,edge_rmse,psnr,flip,"
+              "ring1_hf\n"
+              "aa,slices=4,,GPU,vulkan,one,ao,1,.1,1,3,-10,.2,1\n"
+              "aa,slices=4,,GPU,vulkan,two,ao,1,.1,7,4,30,.4,\n");
+    if (!csv_read(&table, csv_path, error, sizeof error)) fail_msg("%s", error);
+    p = make_points(&table, "ao", NULL, NULL);
+    NEAR(p.list[0].mean[CSV_ring5_hf], 5.0, EXACT);
+    NEAR(p.list[0].mean[CSV_edge_rmse], sqrt(12.5), EXACT);
+    NEAR(p.list[0].mean[CSV_psnr], 10.0, EXACT);
+    NEAR(p.list[0].mean[CSV_flip], 0.3, EXACT);
+    assert_true(points_know(&p, CSV_ring5_hf) && !points_know(&p, CSV_ring1_hf) && !points_know(&p, CSV_ring1_model));
+    points_free(&p);
+    csv_free(&table);
+}
+
 static void what_cannot_be_compared_is_refused(void **state)
 {
     csv       table;
@@ -483,6 +551,45 @@ static void the_grid_of_slices_and_steps_is_the_fullest(void **state)
     }
     points_free(&p);
     csv_free(&table);
+}
+
+/* ---- labels ------------------------------------------------------------------------------------------------------ */
+
+/* Twelve points in a heap, one in a corner: the names lie on no other, on no point, and within the area. */
+static void labels_keep_off_each_other_and_off_points(void **state)
+{
+    label list[13];
+    spot  spots[13];
+    int   i, k, t;
+
+    (void)state;
+    for (i = 0; i < 13; i++) {
+        const spot at = {i < 12 ? 180.0 + 24.0 * (i % 4) : 395.0, i < 12 ? 130.0 + 24.0 * (i / 4) : 295.0};
+
+        memset(&list[i], 0, sizeof list[i]);
+        spots[i] = list[i].of = at;
+        list[i].width = 60.0;
+        list[i].height = 14.0;
+    }
+    labels_place(list, 13, spots, 13, 400.0, 300.0);
+    for (i = 0; i < 13; i++) {
+        const spot m = list[i].middle;
+
+        assert_true(m.x >= 30.0 && m.x <= 370.0 && m.y >= 7.0 && m.y <= 293.0);
+        assert_true(hypot(m.x - spots[i].x, m.y - spots[i].y) < 100.0);
+        for (k = 0; k < 13; k++) {
+            assert_false(fabs(spots[k].x - m.x) < 30.0 && fabs(spots[k].y - m.y) < 7.0);
+            assert_false(k != i && fabs(list[k].middle.x - m.x) < 60.0 && fabs(list[k].middle.y - m.y) < 14.0);
+            for (t = 0; k != i && t < 10; t++) /* nor does a line from a name to its point pass through another */
+                assert_false(fabs(spots[k].x + 0.1 * t * (list[k].middle.x - spots[k].x) - m.x) < 30.0
+                             && fabs(spots[k].y + 0.1 * t * (list[k].middle.y - spots[k].y) - m.y) < 7.0);
+        }
+    }
+    spots[1].x = spots[0].x + 40.0; /* a point without a name */
+    labels_place(list, 1, spots, 2, 400.0, 300.0);
+    assert_true(fabs(spots[1].x - list[0].middle.x) > 30.0 || fabs(spots[1].y - list[0].middle.y) > 7.0);
+    labels_place(list, 1, spots, 1, 400.0, 300.0);
+    assert_true(list[0].middle.x > spots[0].x && list[0].middle.y == spots[0].y); /* alone: to the right */
 }
 
 /* ---- recommendations --------------------------------------------------------------------------------------------- */
@@ -644,7 +751,8 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
 
 /* ---- reports ----------------------------------------------------------------------------------------------------- */
 
-static const char *const drawn[] = {"ao-front", "ao-options", "ao-grid"};
+static const char *const drawn[] = {"ao-front", "ao-options", "ao-grid", "ao-rings"};
+#define DRAWN_OF_GRID 3 /* of write_grid, which has no rings */
 
 static char *read_file(const char *name)
 {
@@ -656,7 +764,12 @@ static char *read_file(const char *name)
     return text;
 }
 
-static int have_gnuplot(void) { return system("command -v gnuplot >/dev/null 2>&1") == 0; }
+static void need_gnuplot(void)
+{
+    if (system("command -v gnuplot >/dev/null 2>&1") == 0) return;
+    puts("skipped: no gnuplot (Debian: gnuplot-nox)");
+    skip();
+}
 
 static void reports_have_tables_and_pictures(void **state)
 {
@@ -664,23 +777,23 @@ static void reports_have_tables_and_pictures(void **state)
     size_t i;
 
     (void)state;
-    if (!have_gnuplot()) {
-        puts("skipped: no gnuplot (Debian: gnuplot-nox)");
-        skip();
-    }
+    need_gnuplot();
     write_grid();
     snprintf(options, sizeof options, "report --csv %%s -o %s/report", folder);
     assert_run(0, options, "report/report.md");
     text = read_file("report.md");
     assert_non_null(strstr(text, "## ao"));
     assert_non_null(strstr(text, "15 configs, hbil 0.1.0, vulkan: GPU, 1.0. `rmse_hf`"));
-    assert_non_null(strstr(text, "|  | 4 | 4 to 4 | 0.0250 | 0.0250 to 0.0250 | `slices=1 steps=4` |\n"));
-    for (i = 0; i < COUNT(drawn); i++) {
+    assert_non_null(strstr(text, "|  | 4 | 0.0250 | `slices=1 steps=4` |\n"));
+    assert_non_null(strstr(text, "| `slices=1` | 1.000 | 1.000 | - |\n| `slices=3` | 0.333 | 3.000 | 6 |\n"
+                                 "| `slices=16` |"));
+    assert_non_null(strstr(text, "distance from the image's centre: left out"));
+    for (i = 0; i < DRAWN_OF_GRID; i++) {
         snprintf(name, sizeof name, "](%s.svg)", drawn[i]);
         assert_non_null(strstr(text, name));
     }
     free(text);
-    for (i = 0; i < COUNT(drawn); i++) {
+    for (i = 0; i < DRAWN_OF_GRID; i++) {
         snprintf(name, sizeof name, "%s.svg", drawn[i]);
         text = read_file(name);
         assert_true(strstr(text, "<svg") && strstr(text, "</svg>"));
@@ -691,6 +804,37 @@ static void reports_have_tables_and_pictures(void **state)
         assert_memory_equal(text, "\x89PNG\r\n\x1a\n", 8);
         free(text);
     }
+}
+
+/* A line for each preset and for both ends of the front, for nothing else; a panel for what is measured. An error of 0
+ * does no harm to logarithms. */
+static void error_by_distance_is_drawn(void **state)
+{
+    char options[128], *text;
+
+    (void)state;
+    need_gnuplot();
+    write_csv("config_hash,config,preset,device,backend,frame,output,ms_median,rmse_hf,edge_rmse,psnr,flip,ring1_hf,"
+              "ring2_hf,ring3_hf,ring4_hf,ring5_hf,ring1_model,ring2_model,ring3_model,ring4_model,ring5_model\n"
+              "aa,slices=1,,GPU,vulkan,one,ao,1,.4,.5,8.06,.25,.1,.2,.3,.4,.5,,,,,\n"
+              "bb,slices=2,,GPU,vulkan,one,ao,2,.3,.5,8.06,.25,.1,.2,.3,.4,.5,,,,,\n"
+              "cc,slices=3,it's,GPU,vulkan,one,ao,3,.2,.5,8.06,.25,.1,.2,.3,.4,,,,,,\n"
+              "dd,slices=4,,GPU,vulkan,one,ao,4,0,.5,8.06,.25,.1,.2,.3,.4,.5,,,,,\n");
+    snprintf(options, sizeof options, "report --csv %%s -o %s/report", folder);
+    assert_run(0, options, "report/report.md");
+    text = read_file("report.md");
+    assert_non_null(strstr(text, "](ao-rings.svg)"));
+    assert_non_null(strstr(text, "| preset | ms | rmse_hf | edge_rmse | psnr | flip | config |\n"));
+    assert_non_null(strstr(text, "| `it's` | 3 | 0.2000 | 0.5000 | 8.1 | 0.2500 | `slices=3` |\n"));
+    free(text);
+    text = read_file("ao-rings.svg");
+    assert_true(strstr(text, "fastest of all") && strstr(text, "it's") && strstr(text, "most accurate of all"));
+    assert_true(strstr(text, "gnuplot_plot_3") && !strstr(text, "gnuplot_plot_4")); /* none for slices=2 */
+    assert_true(strstr(text, "against the height field") && !strstr(text, "against the scene"));
+    free(text);
+    text = read_file("ao-rings.png");
+    assert_memory_equal(text, "\x89PNG\r\n\x1a\n", 8);
+    free(text);
 }
 
 static void a_missing_gnuplot_is_named_with_its_package(void **state)
@@ -709,6 +853,7 @@ static void a_missing_gnuplot_is_named_with_its_package(void **state)
     free(path);
     path = read_file("report.md");
     assert_non_null(strstr(path, "## near"));
+    assert_non_null(strstr(path, "| option | error | time | pairs |"));
     assert_non_null(strstr(path, "| `quality` | 3.536 | 2.5 to 5 | 0.1118 | 0.0500 to 0.1500 | 25.0 %: 2.828 ms, "
                                  "0.0894 | `slices=c` |"));
     free(path);
@@ -750,18 +895,23 @@ int main(void)
         cmocka_unit_test(sums_match_numbers_worked_out_by_hand),
         cmocka_unit_test(percentiles_match_numbers_worked_out_by_hand),
         cmocka_unit_test(edges_are_two_pixels_either_side_of_a_step),
+        cmocka_unit_test(rings_are_of_equal_width_from_the_centre_to_the_corner),
+        cmocka_unit_test(rings_are_round),
         cmocka_unit_test(flicker_is_the_deviation_over_time),
         cmocka_unit_test(flip_of_flat_images_matches_numbers_worked_out_by_hand),
         cmocka_unit_test(flip_of_a_shifted_pattern_matches_the_published_formula),
         cmocka_unit_test(csv_lines_are_read_and_faults_have_their_place),
         cmocka_unit_test(fronts_match_numbers_worked_out_by_hand),
+        cmocka_unit_test(columns_are_averaged_as_they_say),
         cmocka_unit_test(what_cannot_be_compared_is_refused),
         cmocka_unit_test(marginals_match_the_factors_that_made_the_sweep),
         cmocka_unit_test(the_grid_of_slices_and_steps_is_the_fullest),
+        cmocka_unit_test(labels_keep_off_each_other_and_off_points),
         cmocka_unit_test(recommendations_are_the_known_ones),
         cmocka_unit_test(a_prediction_scales_the_samples_and_keeps_the_rest),
         cmocka_unit_test(command_lines_end_with_the_documented_exit_codes),
         cmocka_unit_test(reports_have_tables_and_pictures),
+        cmocka_unit_test(error_by_distance_is_drawn),
         cmocka_unit_test(a_missing_gnuplot_is_named_with_its_package),
     };
 

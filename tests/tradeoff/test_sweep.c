@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #define HBIL_IMPLEMENTATION
+#include "csv.h"
 #include "grid.h"
 #include "rows.h"
 
@@ -220,7 +221,10 @@ static void fill(measured *m)
     for (k = 0; k < OUTS; k++) {
         m->out[k].present = k != OUT_FAR;
         m->out[k].rmse_model = 0.25;
-        m->out[k].flicker = NAN;
+        m->out[k].psnr = -3.5; /* an error above white */
+        m->out[k].ring_field[1] = 0.125;
+        m->out[k].ring_model[4] = 0.5 + k;
+        m->out[k].flicker = (double)NAN;
     }
 }
 
@@ -261,7 +265,7 @@ static void rows_survive(void **state)
 static void strange_files(void **state)
 {
     rows r;
-    char path[128];
+    char path[128], fresh[128];
 
     (void)state;
     path_of(path, "strange.csv");
@@ -271,15 +275,45 @@ static void strange_files(void **state)
     put_file(path, "w", "notes without an end");
     assert_false(rows_open(&r, path, error, sizeof error));
     assert_int_equal(size_of(path), 20);
-    put_file(path, "w", ROWS_HEADER "\n1,2,3\n");
-    assert_false(rows_open(&r, path, error, sizeof error));
-    assert_non_null(strstr(error, "line 2"));
     put_file(path, "w", "version,config_h"); /* killed while it wrote the header */
     assert_true(rows_open(&r, path, error, sizeof error));
     rows_close(&r);
-    assert_int_equal(size_of(path), (long)strlen(ROWS_HEADER "\n"));
+    path_of(fresh, "fresh.csv");
+    assert_true(rows_open(&r, fresh, error, sizeof error));
+    rows_close(&r);
+    assert_true(size_of(path) == size_of(fresh) && size_of(path) > 100);
+    put_file(path, "a", "1,2,3\n");
+    assert_false(rows_open(&r, path, error, sizeof error));
+    assert_non_null(strstr(error, "line 2"));
     path_of(path, "missing/rows.csv");
     assert_false(rows_open(&r, path, error, sizeof error));
+}
+
+/* What is measured comes back under the names of the columns. */
+static void rows_are_read_by_the_analysis(void **state)
+{
+    static const runner_info about = {"vulkan", "a device, of two parts", "driver 1", ""};
+    static measured          m;
+    rows                     r;
+    csv                      table;
+    char                     path[128];
+
+    (void)state;
+    path_of(path, "read.csv");
+    fill(&m);
+    assert_true(rows_open(&r, path, error, sizeof error));
+    assert_true(rows_add(&r, &about, 7u, "slices=1", "fast", "fence", 64, 36, &m, 3u, error, sizeof error));
+    rows_close(&r);
+    if (!csv_read(&table, path, error, sizeof error)) fail_msg("%s", error);
+    assert_int_equal(table.count, 2);
+    assert_string_equal(table.rows[0].text[CSV_device], "a device; of two parts");
+    assert_string_equal(table.rows[0].text[CSV_preset], "fast");
+    assert_string_equal(table.rows[1].text[CSV_output], "near");
+    assert_true(table.rows[1].number[CSV_width] == 64.0 && table.rows[1].number[CSV_ms_median] == 1.5);
+    assert_true(table.rows[1].number[CSV_psnr] == -3.5 && table.rows[1].number[CSV_ring2_hf] == 0.125);
+    assert_true(table.rows[0].number[CSV_ring5_model] == 0.5 && table.rows[1].number[CSV_ring5_model] == 1.5);
+    assert_true(table.rows[1].number[CSV_ring4_model] == 0.0 && isnan(table.rows[1].number[CSV_flicker]));
+    csv_free(&table);
 }
 
 /* ---- configs and truths */
@@ -391,6 +425,91 @@ static void truths_of_a_scene(void **state)
     settings_free(&s);
 }
 
+static void scale(image *img, float factor)
+{
+    const size_t count = (size_t)img->width * (size_t)img->height * (size_t)img->channels;
+    size_t       i;
+
+    for (i = 0; img->data && i < count; i++) img->data[i] *= factor;
+}
+
+/* A small Cornell box and its truths. */
+static void make_box(settings *s, capture *cap, truth *t)
+{
+    subject sub = {"scene:cornell", cap, 1};
+
+    settings_default(s);
+    s->scenes = "cornell";
+    s->quiet = 1;
+    s->cache = folder;
+    assert_int_equal(settings_finish(s), TRADE_DONE);
+    assert_true(capture_scene(cap, "cornell", 32, 18, 16, NULL, error, sizeof error));
+    assert_int_equal(truth_make(s, &sub, 0, t), TRADE_DONE);
+}
+
+static void the_truth_has_no_error(void **state)
+{
+    static settings s;
+    static truth    t;
+    capture         cap;
+    hbil_config     config = {0};
+    image           out, *ao = &t.model[OUT_AO];
+    errors          e;
+    size_t          i;
+
+    (void)state;
+    make_box(&s, &cap, &t);
+    measure_image(&s, &cap, &t, &config, OUT_AO, ao, NULL, &e);
+    assert_true(e.present && e.rmse_model == 0.0 && e.edge_rmse == 0.0 && e.ring_model[2] == 0.0 && isinf(e.psnr));
+    assert_true(isnan(e.rmse_sampling) && isnan(e.flicker) && e.rmse_field > 0.0 && e.ring_field[2] > 0.0);
+    assert_true(image_make(&out, 32, 18, 1));
+    for (i = 0; i < 32 * 18; i++) out.data[i] = t.model_mask[i] ? ao->data[i] : 0.5f; /* nor what has no truth */
+    assert_true(measure_flip(&cap, &out, ao, t.model_mask, OUT_AO) == 0.0);
+    image_free(&out);
+    measure_image(&s, &cap, &t, &config, OUT_AO, &out, NULL, &e); /* absent */
+    assert_true(!e.present && isnan(e.rmse_model) && isnan(e.ring_model[0]) && isnan(e.psnr));
+    truth_free(&t);
+    capture_free(&cap);
+    settings_free(&s);
+}
+
+/* Near light, .1 too much everywhere. */
+static void an_offset_is_in_each_measure(void **state)
+{
+    static settings s;
+    static truth    t;
+    capture         cap;
+    hbil_config     config = {0};
+    image           out, *near = &t.model[OUT_NEAR];
+    errors          e;
+    double          mean = 0.0, flip;
+    size_t          i, count = 0;
+
+    (void)state;
+    make_box(&s, &cap, &t);
+    assert_true(image_make(&out, 32, 18, 3));
+    for (i = 0; i < 3 * 32 * 18; i++) {
+        out.data[i] = near->data[i] + 0.1f;
+        mean += t.model_mask[i / 3] ? (double)near->data[i] : 0.0;
+        count += t.model_mask[i / 3];
+    }
+    mean /= (double)count;
+    measure_image(&s, &cap, &t, &config, OUT_NEAR, &out, NULL, &e);
+    assert_true(fabs(e.rmse_model - 0.1) < 1e-6 && fabs(e.edge_rmse - 0.1) < 1e-6);
+    assert_true(fabs(e.ring_model[1] - 0.1) < 1e-6 && fabs(e.relative - 0.1 / mean) < 1e-6);
+    assert_true(fabs(e.psnr - 20.0 * log10(mean / 0.18 / 0.1)) < 1e-4); /* white is where the mean is .18 */
+    flip = measure_flip(&cap, &out, near, t.model_mask, OUT_NEAR);
+    assert_true(flip > 0.01 && flip < 1.0);
+    scale(&out, 8.0f), scale(near, 8.0f), scale(&cap.direct, 8.0f), scale(&cap.emission, 8.0f);
+    assert_true(fabs(measure_flip(&cap, &out, near, t.model_mask, OUT_NEAR) - flip) < 1e-6); /* exposed */
+    scale(&cap.albedo, 0.0f); /* no light on black */
+    assert_true(measure_flip(&cap, &out, near, t.model_mask, OUT_NEAR) == 0.0);
+    image_free(&out);
+    truth_free(&t);
+    capture_free(&cap);
+    settings_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -398,8 +517,10 @@ int main(void)
         cmocka_unit_test(random_subsets),      cmocka_unit_test(bootstrap_of_known_samples),
         cmocka_unit_test(differences_within_noise), cmocka_unit_test(warm_until_it_rests),
         cmocka_unit_test(rows_survive),        cmocka_unit_test(strange_files),
+        cmocka_unit_test(rows_are_read_by_the_analysis),
         cmocka_unit_test(families_of_estimators), cmocka_unit_test(configs_from_text),
-        cmocka_unit_test(truths_of_a_scene),
+        cmocka_unit_test(truths_of_a_scene),   cmocka_unit_test(the_truth_has_no_error),
+        cmocka_unit_test(an_offset_is_in_each_measure),
     };
     char command[96];
     int  failed;
