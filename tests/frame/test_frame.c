@@ -1904,6 +1904,53 @@ static void errors_are_reported_where_a_truth_is_known(void **state)
     }
 }
 
+/* What the option f0 takes from the light it takes from its error, if the truth is taken to be without it, too. */
+static void with_f0_errors_are_those_of_what_is_not_mirrored(void **state)
+{
+    static const char *const outputs[] = {"near", "far"};
+    double rmse[2][2];
+    char   arguments[320];
+    int    f0, k, code;
+
+    (void)state;
+    if (!getenv("HBIL_FRAME_BIN")) skip();
+    for (f0 = 0; f0 < 2; f0++) {
+        snprintf(arguments, sizeof arguments, "--scene metals --size 96x54 --rays 64 --env sky --set outputs=near+far,f0=%s -q "
+                 "--report @/report.json", f0 ? "rgb" : "none");
+        code = run_program(arguments);
+        if (code == 5) skip();
+        if (code != 0) fail_msg("%s: exit %d: %s", arguments, code, error);
+        for (k = 0; k < 2; k++) rmse[f0][k] = reported(outputs[k], "rmse");
+    }
+    for (k = 0; k < 2; k++)
+        if (!(rmse[1][k] < 0.97 * rmse[0][k])) fail_msg("%s: rmse %g, without f0 %g", outputs[k], rmse[1][k], rmse[0][k]);
+}
+
+/* before.png is the same with and without --env, unless there is sky in it. */
+static void pictures_show_the_sky_where_nothing_else_is(void **state)
+{
+    static const char *const scenes[] = {"fence", "terrain"}, *const lights[] = {"outputs=near", "outputs=far --env sky"};
+    unsigned char *picture[2];
+    char           arguments[320];
+    size_t         size[2];
+    int            s, k, code;
+
+    (void)state;
+    if (!getenv("HBIL_FRAME_BIN")) skip();
+    for (s = 0; s < 2; s++) {
+        for (k = 0; k < 2; k++) {
+            snprintf(arguments, sizeof arguments, "--scene %s --size 32x18 --rays 0 -q --png @/sky --set %s", scenes[s], lights[k]);
+            code = run_program(arguments);
+            if (code == 5) skip();
+            if (code != 0) fail_msg("%s: exit %d: %s", arguments, code, error);
+            picture[k] = read_bytes(at("sky/before.png"), &size[k]);
+        }
+        assert_int_equal(size[0] != size[1] || memcmp(picture[0], picture[1], size[0]) != 0, s);
+        free(picture[0]);
+        free(picture[1]);
+    }
+}
+
 static void environments_that_do_not_fit_the_config_are_explained(void **state)
 {
     static const struct { const char *arguments; int code; const char *says; } cases[] = {
@@ -1983,6 +2030,8 @@ int main(void)
         cmocka_unit_test(a_flat_wall_is_open_and_lit_by_direct_light_alone),
         cmocka_unit_test(an_open_wall_gets_the_environment_at_its_normal),
         cmocka_unit_test(errors_are_reported_where_a_truth_is_known),
+        cmocka_unit_test(with_f0_errors_are_those_of_what_is_not_mirrored),
+        cmocka_unit_test(pictures_show_the_sky_where_nothing_else_is),
         cmocka_unit_test(environments_that_do_not_fit_the_config_are_explained),
     };
     return cmocka_run_group_tests_name("frame", tests, make_folder, remove_folder);
