@@ -33,6 +33,17 @@ void capture_free(capture *cap)
     memset(cap, 0, sizeof *cap);
 }
 
+void capture_take_f0(const capture *cap, image *light)
+{
+    const size_t count = (size_t)light->width * (size_t)light->height;
+    size_t       i;
+    int          c;
+
+    for (i = 0; cap->f0.data && light->data && i < count; i++)
+        for (c = 0; c < 3; c++)
+            light->data[3 * i + (size_t)c] *= 1.0f - cap->f0.data[cap->f0.channels == 3 ? 3 * i + (size_t)c : i];
+}
+
 /* The camera file as it is written, before it is checked. Matrices are [row][column]. */
 typedef struct camera {
     double width, height, near_z, far_z;

@@ -30,9 +30,11 @@ typedef struct capture {
 /* Read F.exr and its camera JSON; with frame-X.exr also the height-field truth hf-X.exr, if there is one beside it.
  * 1 on success; 0: error[] names the file, the fault and the fix. */
 int  capture_load(capture *out, const char *exr, const char *camera_json, char *error, size_t error_size);
-/* Built-in scenes: "cornell", the box with a lamp; "fence", thin bars and leaves under sun and sky. G-buffer at pixel centres,
- * direct light, truth_ao, truth_near and truth_far traced with `rays` rays per pixel (at most 65536) through the whole scene
- * (0: no truth). Same arguments, same bytes. progress may be NULL; called with [0, 1]. */
+/* Built-in scenes: "cornell", the box with a lamp; under sun and sky "fence", thin bars and leaves, "terrain", open country,
+ * and "metals", gold to steel beside coloured walls, with f0 and roughness. G-buffer at pixel centres, direct light, truth_ao,
+ * truth_near and truth_far traced with `rays` rays per pixel (at most 65536) through the whole scene (0: no truth). All light
+ * is diffuse, as in the captures: what metals mirror is in none of the images. Same arguments, same bytes. progress may be NULL;
+ * called with [0, 1]. */
 int  capture_scene(capture *out, const char *name, int width, int height, int rays, void (*progress)(double),
                    char *error, size_t error_size);
 /* The same from another place: move, m along the camera's right, up and forward axis; turn, degrees to the left about its up axis. */
@@ -54,6 +56,9 @@ typedef struct scene_mesh {
 int  capture_scene_mesh(scene_mesh *out, const char *name, char *error, size_t error_size);
 void scene_mesh_free(scene_mesh *m);
 void capture_free(capture *cap);
+
+/* Makes a truth of near or far light that of the option f0: times 1 - f0 of the frame. Either may be absent. */
+void capture_take_f0(const capture *cap, image *light);
 
 /* The capture in the conventions that a resolved config asks for: depth linear or device, forward or reversed, finite or infinite far,
  * GL or Vulkan clip; normals in view or world space, in any encoding. Fills frame (size, projection, view) and one image per

@@ -152,7 +152,7 @@ static void print_help(void)
           "  -q                print nothing but warnings and errors\n"
           "  --help, --version\n\n"
           "errors: ao, near and far (with --env sky) against truth_ao, truth_near and truth_far, irradiance against their sum,\n"
-          "        with bounces=recursive near against truth_bounce,\n"
+          "        with bounces=recursive near against truth_bounce, with f0 all of them times 1 - f0,\n"
           "        composite against direct + albedo * sum; hf: against the height-field truth. uniform_ao is held against\n"
           "        truth_ao for reference: that one is cosine-weighted\n"
           "exit: 0 done; 1 config refused; 2 usage; 3 a file cannot be read or written, or is malformed;\n"
@@ -666,6 +666,12 @@ static void measure(session *s)
     image        sum, composite;
     int          k;
 
+    if (s->plan.config.f0 != HBIL_F0_NONE) {
+        capture_take_f0(&s->cap, &s->cap.truth_far);
+        capture_take_f0(&s->cap, &s->cap.truth_near);
+        capture_take_f0(&s->cap, &s->cap.truth_bounce);
+        capture_take_f0(&s->cap, &s->cap.hf_near);
+    }
     make_sum(s, 0, &sum);
     make_sum(s, 1, &composite);
     truths[OUTPUT_AO] = truths[OUTPUT_UNIFORM_AO] = &s->cap.truth_ao;
@@ -917,7 +923,8 @@ static int write_files(session *s)
 
     if (s->args.out) ok = exr_write(s->files.out, layers, output_layers(s->outputs, layers), s->error, sizeof s->error);
     if (s->args.png && s->args.sequence) ok = ok && make_folder(s, s->args.png);
-    if (s->args.png) ok = ok && output_pictures(s->files.png, &s->cap, s->outputs, s->error, sizeof s->error);
+    if (s->args.png)
+        ok = ok && output_pictures(s->files.png, &s->cap, &s->env, s->outputs, s->error, sizeof s->error);
     return ok ? DONE : fail(s, FILES);
 }
 

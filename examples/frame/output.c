@@ -89,6 +89,31 @@ static float find_exposure(const capture *cap)
     return level > 0.0f ? 0.8f / level : 1.0f;
 }
 
+/* What is seen besides reflected light: emission, and the environment behind all, where the frame itself has no sky. */
+static int make_glow(const capture *cap, const environment *env, image *glow)
+{
+    const environment_view view = {env, cap->view};
+    const float           *p = cap->projection;
+    int                    x, y, c;
+
+    if (!image_make(glow, cap->width, cap->height, 3)) return 0;
+    if (cap->emission.data) memcpy(glow->data, cap->emission.data, 3 * texel_count(glow) * sizeof *glow->data);
+    for (y = 0; env->kind && y < cap->height; y++) {
+        for (x = 0; x < cap->width; x++) {
+            const int    i = y * cap->width + x, at_eye = !cap->orthographic; /* rays meet there */
+            const float *direct = cap->direct.data + 3 * i;
+            const double direction[3] = {at_eye * ((2.0 * x + 1.0) / cap->width - 1.0) / (double)p[0],
+                                         at_eye * ((2.0 * y + 1.0) / cap->height - 1.0) / (double)p[5], -1.0};
+            double       sky[3];
+
+            if (cap->depth.data[i] < 1e9f || direct[0] > 0.0f || direct[1] > 0.0f || direct[2] > 0.0f) continue;
+            environment_view_radiance(&view, direction, sky);
+            for (c = 0; c < 3; c++) glow->data[3 * i + c] += (float)sky[c];
+        }
+    }
+    return 1;
+}
+
 /* Light, exposed, and rolled off above 0.8 so that highlights keep their shape instead of turning into flat white. glow is added
  * first; it may be absent. */
 static void show_light(image *out, const image *light, const image *glow, float exposure)
@@ -145,6 +170,7 @@ static void show_sh(image *out, const image *sh, const capture *cap)
 typedef struct album {
     const char    *folder;
     const capture *cap;
+    image          glow;
     float          exposure;
     char          *error;
     size_t         error_size;
@@ -226,7 +252,7 @@ static int write_output(const album *a, int kind, const image *output)
     case OUTPUT_BENT:      return write_vectors(a, "bent", output);
     case OUTPUT_CONE:      return write_vectors(a, "cone", output) && write_angles(a, output);
     case OUTPUT_SH:        return write_sh(a, output);
-    case OUTPUT_COMPOSITE: return write_light(a, "after", output, &a->cap->emission);
+    case OUTPUT_COMPOSITE: return write_light(a, "after", output, &a->glow);
     case OUTPUT_NEAR:
     case OUTPUT_FAR:
     case OUTPUT_IRRADIANCE: return write_light(a, output_kinds[kind].name, output, &none);
@@ -234,7 +260,8 @@ static int write_output(const album *a, int kind, const image *output)
     }
 }
 
-int output_pictures(const char *folder, const capture *cap, const image outputs[OUTPUT_KINDS], char *error, size_t error_size)
+int output_pictures(const char *folder, const capture *cap, const environment *env, const image outputs[OUTPUT_KINDS],
+                    char *error, size_t error_size)
 {
     album a;
     int   k, ok;
@@ -246,8 +273,10 @@ int output_pictures(const char *folder, const capture *cap, const image outputs[
     a.error_size = error_size;
     if (mkdir(folder, 0777) != 0 && access(folder, W_OK) != 0)
         return frame_error(error, error_size, "%s: cannot be made. Choose a folder that can be written", folder);
-    ok = write_light(&a, "before", &cap->direct, &cap->emission);
+    if (!make_glow(cap, env, &a.glow)) return no_memory(&a);
+    ok = write_light(&a, "before", &cap->direct, &a.glow);
     for (k = 0; ok && k < OUTPUT_KINDS; k++)
         if (outputs[k].data) ok = write_output(&a, k, &outputs[k]);
+    image_free(&a.glow);
     return ok;
 }

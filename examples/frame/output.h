@@ -3,6 +3,7 @@
 #define HBIL_FRAME_OUTPUT_H
 
 #include "capture.h"
+#include "environment.h"
 
 enum { OUTPUT_AO, OUTPUT_UNIFORM_AO, OUTPUT_BENT, OUTPUT_CONE, OUTPUT_NEAR, OUTPUT_SH, OUTPUT_FAR, OUTPUT_IRRADIANCE,
        OUTPUT_SPECULAR_OCCLUSION, OUTPUT_MULTI_BOUNCE, OUTPUT_COMPOSITE, OUTPUT_KINDS };
@@ -21,8 +22,9 @@ extern const output_kind output_kinds[OUTPUT_KINDS];
 int output_take(image *out, int kind, const image *texture);
 /* Layers of all outputs that are present, for exr_write; they share the images. How many. */
 int output_layers(const image outputs[OUTPUT_KINDS], image_layer layers[OUTPUT_LAYERS_MAX]);
-/* before.png (direct light and emission), after.png (composite and emission) and pictures of every output that is present. Light
- * has one exposure in all of them. The folder is made if need be. 1, or 0: error[] says why. */
-int output_pictures(const char *folder, const capture *cap, const image outputs[OUTPUT_KINDS], char *error, size_t error_size);
+/* before.png (direct light and emission), after.png (composite and emission), both before env where there is one, and pictures of
+ * every output that is present. Light has one exposure in all of them. The folder is made if need be. 1, or 0: error[] says why. */
+int output_pictures(const char *folder, const capture *cap, const environment *env, const image outputs[OUTPUT_KINDS],
+                    char *error, size_t error_size);
 
 #endif

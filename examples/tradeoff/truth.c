@@ -162,18 +162,6 @@ static int copy_image(const image *from, image *to)
     return 1;
 }
 
-/* What is left of light at surfaces that reflect F0. */
-static void apply_f0(const image *f0, image *light)
-{
-    const size_t count = (size_t)light->width * (size_t)light->height;
-    size_t       i;
-    int          c;
-
-    for (i = 0; f0->data && light->data && i < count; i++)
-        for (c = 0; c < 3; c++)
-            light->data[3 * i + (size_t)c] *= 1.0f - f0->data[f0->channels == 3 ? 3 * i + (size_t)c : i];
-}
-
 static int make_masks(const capture *cap, truth *t)
 {
     const size_t count = (size_t)cap->width * (size_t)cap->height;
@@ -217,10 +205,10 @@ int truth_make(settings *s, const subject *sub, int far, truth *t)
          && copy_image(&cap->truth_far, &t->model[OUT_FAR]) && copy_image(&cap->truth_bounce, &t->bounce)
          && make_masks(cap, t);
     for (k = OUT_NEAR; ok && k < OUTS; k++) {
-        apply_f0(&cap->f0, &t->model[k]);
-        apply_f0(&cap->f0, &t->field[k]);
+        capture_take_f0(cap, &t->model[k]);
+        capture_take_f0(cap, &t->field[k]);
     }
-    apply_f0(&cap->f0, &t->bounce);
+    capture_take_f0(cap, &t->bounce);
     if (!ok) {
         frame_error(s->error, sizeof s->error, "out of memory for the truths of %s", sub->name);
         code = TRADE_BACKEND;

@@ -15,6 +15,8 @@
 static const struct { const char *name; float eye[3], pivot[3], half_fov, sun[3], sun_light[3], radius; } scenes[] = {
     {"cornell", {0.0f, -5.2f, 2.73f}, {0.0f, 2.8f, 2.55f}, 0.42f, {-0.35f, -0.55f, 0.75f}, {2.9f, 2.45f, 1.85f}, 5.0f},
     {"fence", {0.9f, -4.2f, 3.4f}, {0.1f, 0.2f, 0.5f}, 0.30f, {-0.55f, -0.72f, 0.55f}, {2.9f, 2.45f, 1.85f}, 5.0f},
+    {"terrain", {0.0f, 0.0f, 2.4f}, {0.0f, 20.0f, 1.6f}, 0.33f, {-0.80f, -0.15f, 0.45f}, {2.9f, 2.45f, 1.85f}, 60.0f},
+    {"metals", {0.5f, -3.6f, 1.65f}, {0.05f, 0.5f, 0.62f}, 0.30f, {0.55f, -0.62f, 0.60f}, {2.9f, 2.45f, 1.85f}, 5.0f},
 };
 
 /* glTF ends emission at 1, what is white on a screen; the extension that lifts it is not read by assimp 5.2. The

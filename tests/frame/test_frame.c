@@ -1147,16 +1147,17 @@ static void check_progress(double done)
 }
 
 /* The images of a capture of a scene, in an order of their own; their count. */
-static int scene_images(const capture *cap, const image *list[8])
+static int scene_images(const capture *cap, const image *list[10])
 {
     list[0] = &cap->depth, list[1] = &cap->normal, list[2] = &cap->albedo, list[3] = &cap->direct, list[4] = &cap->emission;
     list[5] = &cap->truth_ao, list[6] = &cap->truth_near, list[7] = &cap->truth_far;
-    return 8;
+    list[8] = &cap->f0, list[9] = &cap->roughness;
+    return cap->f0.data ? 10 : 8;
 }
 
 static void scene_has_the_same_bytes_every_time(void **state)
 {
-    const image *ours[8], *theirs[8];
+    const image *ours[10], *theirs[10];
     const char  *name;
     capture      a, b;
     int          s, k;
@@ -1175,7 +1176,7 @@ static void scene_has_the_same_bytes_every_time(void **state)
         capture_free(&a);
         capture_free(&b);
     }
-    assert_int_equal(s, 2);
+    assert_int_equal(s, 4);
     assert_null(capture_scene_name(-1));
 }
 
@@ -1307,7 +1308,7 @@ static void scenes_refuse_what_they_cannot_do(void **state)
     assert_null(a.truth_far.data);
     capture_free(&a);
     assert_false(capture_scene(&a, "sponza", 8, 8, 1, NULL, error, sizeof error));
-    assert_error_has("There is: cornell, fence");
+    assert_error_has("There is: cornell, fence, terrain, metals");
     assert_false(capture_scene(&a, "cornell", 8, 20000, 1, NULL, error, sizeof error));
     assert_error_has("[1, 16384]");
 }
@@ -1503,22 +1504,64 @@ static void assert_stands_on_open_ground(const capture *cap)
         fail_msg("%d of %d pixels are ground, %d of %d at the border", ground, cap->width * cap->height, border, rim);
 }
 
-static void every_scene_is_sound_and_the_fence_is_thin(void **state)
+/* Open country: sky on top of the picture, tens of metres of ground below that lies open to it. */
+static void assert_is_open(const capture *cap)
+{
+    const int pixels = cap->width * cap->height;
+    double    ao = 0.0, farthest = 0.0, nearest = 1e9;
+    int       i, sky = 0;
+
+    for (i = 0; i < pixels; i++) {
+        const double depth = (double)cap->depth.data[i];
+        if (depth >= 1e9) sky++;
+        else farthest = fmax(farthest, depth), nearest = fmin(nearest, depth);
+        if (i < cap->width) assert_true(depth >= 1e9);
+        ao += (double)cap->truth_ao.data[i];
+    }
+    if (sky < pixels / 8 || sky > pixels / 3 || ao < 0.8 * (pixels - sky) || farthest < 60.0 || nearest > 10.0)
+        fail_msg("%d of %d pixels are sky, ao is %g, depth %g to %g m", sky, pixels, ao / (pixels - sky), nearest, farthest);
+}
+
+/* Metals take up to all of what near light there is, and reflect hardly any of it diffusely; everything else mirrors 0.04. */
+static void assert_holds_metals(const capture *cap)
+{
+    const int pixels = cap->width * cap->height;
+    int       i, c, metal = 0, coloured = 0;
+
+    for (i = 0; i < pixels; i++) {
+        const float *f0 = cap->f0.data + 3 * i, *albedo = cap->albedo.data + 3 * i;
+        const int    is_metal = f0[0] > 0.5f;
+        for (c = 0; c < 3; c++) {
+            if (cap->depth.data[i] >= 1e9f) assert_true(f0[c] == 0.0f);
+            else assert_true(is_metal ? f0[c] > 0.3f && f0[c] <= 1.0f && albedo[c] < 0.2f : f0[c] == 0.04f);
+        }
+        assert_true(cap->roughness.data[i] <= 1.0f && (cap->roughness.data[i] > 0.0f) == (cap->depth.data[i] < 1e9f));
+        metal += is_metal;
+        coloured += is_metal && f0[0] > f0[2] + 0.4f;
+    }
+    if (metal < pixels / 10 || coloured < pixels / 25) fail_msg("%d of %d pixels are metal, %d coloured", metal, pixels, coloured);
+}
+
+static void every_scene_is_sound_and_what_it_is_for(void **state)
 {
     const char *name;
     capture     cap;
     double      share;
-    int         s, x, y, is_fence;
+    int         s, x, y, is_fence, is_metals;
 
     (void)state;
     for (s = 0; (name = capture_scene_name(s)) != NULL; s++) {
         is_fence = strcmp(name, "fence") == 0;
+        is_metals = strcmp(name, "metals") == 0;
         assert_true(capture_scene(&cap, name, 192, 108, 16, NULL, error, sizeof error));
         for (y = 0; y < cap.height; y++)
             for (x = 0; x < cap.width; x++) check_scene_pixel(&cap, x, y);
         share = thin_share(&cap);
         if (is_fence ? share < 0.12 : share > 0.1) fail_msg("%s: %g of the picture is thin", name, share);
         if (is_fence) assert_stands_on_open_ground(&cap);
+        if (strcmp(name, "terrain") == 0) assert_is_open(&cap);
+        assert_int_equal(cap.f0.data != NULL, is_metals);
+        if (is_metals) assert_holds_metals(&cap);
         capture_free(&cap);
     }
 }
@@ -1861,6 +1904,53 @@ static void errors_are_reported_where_a_truth_is_known(void **state)
     }
 }
 
+/* What the option f0 takes from the light it takes from its error, if the truth is taken to be without it, too. */
+static void with_f0_errors_are_those_of_what_is_not_mirrored(void **state)
+{
+    static const char *const outputs[] = {"near", "far"};
+    double rmse[2][2];
+    char   arguments[320];
+    int    f0, k, code;
+
+    (void)state;
+    if (!getenv("HBIL_FRAME_BIN")) skip();
+    for (f0 = 0; f0 < 2; f0++) {
+        snprintf(arguments, sizeof arguments, "--scene metals --size 96x54 --rays 64 --env sky --set outputs=near+far,f0=%s -q "
+                 "--report @/report.json", f0 ? "rgb" : "none");
+        code = run_program(arguments);
+        if (code == 5) skip();
+        if (code != 0) fail_msg("%s: exit %d: %s", arguments, code, error);
+        for (k = 0; k < 2; k++) rmse[f0][k] = reported(outputs[k], "rmse");
+    }
+    for (k = 0; k < 2; k++)
+        if (!(rmse[1][k] < 0.97 * rmse[0][k])) fail_msg("%s: rmse %g, without f0 %g", outputs[k], rmse[1][k], rmse[0][k]);
+}
+
+/* before.png is the same with and without --env, unless there is sky in it. */
+static void pictures_show_the_sky_where_nothing_else_is(void **state)
+{
+    static const char *const scenes[] = {"fence", "terrain"}, *const lights[] = {"outputs=near", "outputs=far --env sky"};
+    unsigned char *picture[2];
+    char           arguments[320];
+    size_t         size[2];
+    int            s, k, code;
+
+    (void)state;
+    if (!getenv("HBIL_FRAME_BIN")) skip();
+    for (s = 0; s < 2; s++) {
+        for (k = 0; k < 2; k++) {
+            snprintf(arguments, sizeof arguments, "--scene %s --size 32x18 --rays 0 -q --png @/sky --set %s", scenes[s], lights[k]);
+            code = run_program(arguments);
+            if (code == 5) skip();
+            if (code != 0) fail_msg("%s: exit %d: %s", arguments, code, error);
+            picture[k] = read_bytes(at("sky/before.png"), &size[k]);
+        }
+        assert_int_equal(size[0] != size[1] || memcmp(picture[0], picture[1], size[0]) != 0, s);
+        free(picture[0]);
+        free(picture[1]);
+    }
+}
+
 static void environments_that_do_not_fit_the_config_are_explained(void **state)
 {
     static const struct { const char *arguments; int code; const char *says; } cases[] = {
@@ -1930,7 +2020,7 @@ int main(void)
         cmocka_unit_test(frames_follow_each_other),
         cmocka_unit_test(patterns_and_ranges_are_read),
         cmocka_unit_test(scenes_refuse_what_they_cannot_do),
-        cmocka_unit_test(every_scene_is_sound_and_the_fence_is_thin),
+        cmocka_unit_test(every_scene_is_sound_and_what_it_is_for),
         cmocka_unit_test(far_light_of_open_pixels_is_the_irradiance_of_the_sky),
         cmocka_unit_test(sunlight_on_the_ground_is_the_cosine_to_the_sun),
         cmocka_unit_test(scene_ao_of_the_ceiling_is_the_form_factor_of_the_open_front),
@@ -1940,6 +2030,8 @@ int main(void)
         cmocka_unit_test(a_flat_wall_is_open_and_lit_by_direct_light_alone),
         cmocka_unit_test(an_open_wall_gets_the_environment_at_its_normal),
         cmocka_unit_test(errors_are_reported_where_a_truth_is_known),
+        cmocka_unit_test(with_f0_errors_are_those_of_what_is_not_mirrored),
+        cmocka_unit_test(pictures_show_the_sky_where_nothing_else_is),
         cmocka_unit_test(environments_that_do_not_fit_the_config_are_explained),
     };
     return cmocka_run_group_tests_name("frame", tests, make_folder, remove_folder);
