@@ -74,8 +74,8 @@ void ablate_help(void)
     fputs(
         "  ablate  [CONFIG | --preset NAME] [--tolerance T] [--against model|field] frames\n"
         "          switches off one feature of the config at a time, and tells what each buys in error and costs in\n"
-        "          time, fetches and bytes; then drops features, dearest first, while no output's error grows by more\n"
-        "          than the tolerance. Without a config: sectors, thickness, facing, Fresnel term, mips, filter; ao,\n"
+        "          time, fetches and bytes; then drops features, the dearest first, while no output's error is above\n"
+        "          the least so far by more than the tolerance. Without a config: sectors, thickness, facing, Fresnel term, mips, filter; ao,\n"
         "          near and far light\n"
         "  --tolerance T     relative growth of the rmse, default 0.05\n"
         "  --against model   the path-traced scene, where a frame has it (default); field: the height field\n",
@@ -291,19 +291,30 @@ static int drop_each(ablation *a)
 
 static const ablation *sorting; /* for qsort, whose callback carries no pointer */
 
+/* What only does harm on this scene comes first: with it, every later loss would look small. Then the dearest. */
 static int by_saving(const void *x, const void *y)
 {
-    const double a = sorting->without[*(const int *)x].time.median, b = sorting->without[*(const int *)y].time.median;
+    const verdict *v = &sorting->without[*(const int *)x], *w = &sorting->without[*(const int *)y];
+    const int      harm = is_as_good(sorting, w, &sorting->full, 0.0) - is_as_good(sorting, v, &sorting->full, 0.0);
 
-    return (a > b) - (a < b);
+    return harm ? harm : (v->time.median > w->time.median) - (v->time.median < w->time.median);
 }
 
-/* Drops one feature after the other, the dearest first; each is tried once against the config that is left by then. */
+/* The least errors so far: what is held against them cannot use up what an earlier drop has gained. */
+static void keep_least(const ablation *a, verdict *least, const verdict *v)
+{
+    int k;
+
+    for (k = 0; k < OUTS; k++)
+        if (error_of(a, &v->out[k]) < error_of(a, &least->out[k])) least->out[k] = v->out[k];
+}
+
+/* Drops one feature after the other; each is tried once against the config that is left by then. */
 static int drop_greedily(ablation *a, verdict *best)
 {
     int         order[FEATURES], count = 0, i, code = TRADE_DONE;
     hbil_config c;
-    verdict     v;
+    verdict     v, least = a->full;
 
     *best = a->full;
     for (i = 0; i < FEATURES; i++)
@@ -314,9 +325,10 @@ static int drop_greedily(ablation *a, verdict *best)
         if (!drop(&best->config, &features[order[i]], &c)) continue;
         progress_show(&a->s, 0.5 + 0.5 * i / count, features[order[i]].name);
         code = judge(a, &c, &v);
-        if (code != TRADE_DONE || !is_as_good(a, &v, &a->full, a->tolerance)
+        if (code != TRADE_DONE || !is_as_good(a, &v, &least, a->tolerance)
             || !is_smaller(a, &v, best, &features[order[i]])) continue;
         *best = v;
+        keep_least(a, &least, &v);
         printf("- without %s\n", features[order[i]].name);
         code = set_rival(a, &best->config);
     }
@@ -332,7 +344,7 @@ static int print_smallest(ablation *a, verdict *best)
     if (code == TRADE_DONE) code = judge(a, &best->config, best);
     if (code != TRADE_DONE) return code;
     config_text(&best->config, ' ', text);
-    printf("\nsmallest within %.0f %% of the full config's error:\n\n", 100.0 * a->tolerance);
+    printf("\nsmallest within %.0f %% of the least errors on the way:\n\n", 100.0 * a->tolerance);
     print_head(a);
     print_row(a, "all of these", text, best);
     config_text(&best->config, ',', text);
@@ -352,7 +364,7 @@ static int run_subject(ablation *a)
     code = drop_each(a);
     if (code == TRADE_DONE) {
         print_unused(a);
-        printf("\ndropped, dearest first, where the error allows it:\n\n");
+        printf("\ndropped where the error allows it, first what only does harm, then the dearest:\n\n");
         code = drop_greedily(a, &best);
     }
     if (code == TRADE_DONE) code = print_smallest(a, &best);
