@@ -10,7 +10,7 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench table marches clean
+.PHONY: help demo viewer test embed bench report record table marches clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -18,6 +18,8 @@ help:
 	@echo 'make test    install lacking Debian packages, build, run every test; the last line counts passed, failed, skipped'
 	@echo 'make embed   write options.def, passes.def and glsl/ of shadergen/ into hbil.h and README.md'
 	@echo 'make bench   how long plans, texts, SPIR-V and compiling the header take, and how large they are'
+	@echo 'make report  speed against accuracy, statements, peers: tables and plots in out/report; an hour; HBIL_CAPTURES=DIR adds captures'
+	@echo 'make record  the same, into examples/tradeoff/report, from where README and tests have their figures; wants HBIL_CAPTURES=DIR'
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make clean   remove the build folders and out/demo'
@@ -72,6 +74,16 @@ bench:
 	$(COMPILE) --target hbil-bench
 	@$(BUILD)/bin/hbil-bench
 	@sh tests/bench/compile.sh
+
+report:
+	@$(PACKAGES) test && $(PACKAGES) peers
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-tradeoff hbil-peers
+	@sh examples/tradeoff/report.sh $(BUILD)/bin out/report
+
+record: report
+	@test -n "$$HBIL_CAPTURES" || { echo 'make record: set HBIL_CAPTURES to the folder of the captures'; exit 2; }
+	mkdir -p examples/tradeoff/report && cp out/report/*.md out/report/*.csv out/report/*.svg examples/tradeoff/report/
 
 table:
 	@test -n "$$HBIL_CAPTURES" || { echo 'make table: set HBIL_CAPTURES to the folder of the captures'; exit 2; }

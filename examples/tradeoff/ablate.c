@@ -75,8 +75,8 @@ void ablate_help(void)
         "  ablate  [CONFIG | --preset NAME] [--tolerance T] [--against model|field] frames\n"
         "          switches off one feature of the config at a time, and tells what each buys in error and costs in\n"
         "          time, fetches and bytes; then drops features, the dearest first, while no output's error is above\n"
-        "          the least so far by more than the tolerance. Without a config: sectors, thickness, facing, Fresnel term, mips, filter; ao,\n"
-        "          near and far light\n"
+        "          the least so far by more than the tolerance. Without a config: sectors, thickness, facing, Fresnel\n"
+        "          term, mips, filter; ao, near and far light\n"
         "  --tolerance T     relative growth of the rmse, default 0.05\n"
         "  --against model   the path-traced scene, where a frame has it (default); field: the height field\n",
         stdout);

@@ -130,6 +130,23 @@ static int config_order(const csv_row *a, const csv_row *b)
     return hash ? hash : frame_order(a, b);
 }
 
+/* Of a column over the rows that have it; NaN: none has. */
+static double mean_of(const csv_row *const *rows, int count, int column)
+{
+    const int square = csv_number_trait(column) == CSV_SQUARE;
+    double    sum = 0.0;
+    int       i, known = 0;
+
+    for (i = 0; i < count; i++) {
+        const double v = rows[i]->number[column];
+
+        if (!isfinite(v)) continue;
+        sum += square ? v * v : v;
+        known++;
+    }
+    return known == 0 ? (double)NAN : square ? sqrt(sum / known) : sum / known;
+}
+
 /* From the rows of a config, one a frame. */
 static void fill(point *p, const csv_row *const *rows, int count, int error_column)
 {
@@ -149,11 +166,8 @@ static void fill(point *p, const csv_row *const *rows, int count, int error_colu
         p->high = i && p->high > e ? p->high : e;
         logs += log(ms);
         squares += e * e;
-        for (k = 0; k < CSV_NUMBER_COUNT; k++)
-            p->mean[k] += (csv_number_trait(k) == CSV_SQUARE ? rows[i]->number[k] : 1.0) * rows[i]->number[k] / count;
     }
-    for (k = 0; k < CSV_NUMBER_COUNT; k++)
-        if (csv_number_trait(k) == CSV_SQUARE) p->mean[k] = sqrt(p->mean[k]);
+    for (k = 0; k < CSV_NUMBER_COUNT; k++) p->mean[k] = mean_of(rows, count, k);
     p->ms = exp(logs / count);
     p->error = sqrt(squares / count);
 }

@@ -17,7 +17,7 @@ typedef struct point {
     const csv_row *row;                  /* one of its rows: hash, config, preset */
     double         ms, ms_low, ms_high;  /* median times: geometric mean over frames, and extremes */
     double         error, low, high;     /* root mean square over frames, and extremes */
-    double         mean[CSV_NUMBER_COUNT]; /* of all columns over frames, see csv_number_trait; NaN: a frame has none */
+    double         mean[CSV_NUMBER_COUNT]; /* of all columns over the frames that have them, see csv_number_trait */
     const csv_row *const *rows;          /* of each frame */
     int            on_front;
 } point;

@@ -252,7 +252,16 @@ marginal *marginals_make(const points *p, int *count)
 
 /* ---- slices x steps ---------------------------------------------------------------------------------------------- */
 
-/* The grid of one group, without the rows and columns that it lacks. */
+/* Has the group more than one member in this column, or row? */
+static int is_line(const member *list, int begin, int end, int column, int row)
+{
+    int i, count = 0;
+
+    for (i = begin; i < end; i++) count += column < 0 ? list[i].second == row : list[i].value == column;
+    return count > 1;
+}
+
+/* The grid of one group, without rows and columns of less than two. */
 static void fill_grid(grid *out, const member *list, int begin, int end, char (*slices)[MARGINAL_TEXT],
                       char (*steps)[MARGINAL_TEXT])
 {
@@ -262,12 +271,14 @@ static void fill_grid(grid *out, const member *list, int begin, int end, char (*
     for (k = 0; k < MARGINAL_VALUES; k++) {
         column[k] = row[k] = -1;
         for (i = begin; i < end; i++) {
-            if (list[i].value == k && column[k] < 0) out->slices[column[k] = out->columns++] = strtod(slices[k], NULL);
-            if (list[i].second == k && row[k] < 0) out->steps[row[k] = out->rows++] = strtod(steps[k], NULL);
+            if (list[i].value == k && column[k] < 0 && is_line(list, begin, end, k, -1))
+                out->slices[column[k] = out->columns++] = strtod(slices[k], NULL);
+            if (list[i].second == k && row[k] < 0 && is_line(list, begin, end, -1, k))
+                out->steps[row[k] = out->rows++] = strtod(steps[k], NULL);
         }
     }
     for (i = begin; i < end; i++)
-        if (list[i].value >= 0 && list[i].second >= 0)
+        if (list[i].value >= 0 && list[i].second >= 0 && column[list[i].value] >= 0 && row[list[i].second] >= 0)
             out->cell[row[list[i].second]][column[list[i].value]] = list[i].point;
 }
 

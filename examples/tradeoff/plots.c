@@ -438,7 +438,7 @@ static void grid_tics(FILE *out, char axis, const double *values, int count)
     fprintf(out, ")\nset %crange [-0.5:%g]\n", axis, count - 0.5);
 }
 
-/* image needs every cell: '?' is a hole. */
+/* image needs every cell: NaN is a hole. */
 static void grid_data(FILE *out, const grid *g)
 {
     int x, y;
@@ -449,7 +449,7 @@ static void grid_data(FILE *out, const grid *g)
             const point *q = g->cell[y][x];
 
             if (q) fprintf(out, "%d %d %.9g %.9g\n", x, y, q->error, q->ms);
-            else fprintf(out, "%d %d ? ?\n", x, y);
+            else fprintf(out, "%d %d NaN NaN\n", x, y);
         }
         fputc('\n', out);
     }
@@ -471,8 +471,9 @@ static void draw_grid(FILE *out, const picture *pic)
     for (k = 0; k < 2; k++) {
         fputs("set title ", out);
         quoted(out, k ? "ms" : csv_number_name(pic->selection->error));
-        fprintf(out, "\nplot $d using 1:2:%d with image, $d using 1:2:(sprintf($%d < 1000 ? '%%.3g' : '%%.0f', $%d)) "
-                "with labels textcolor rgb '#202020'\n", 3 + k, 3 + k, 3 + k);
+        fprintf(out, "\nplot $d using 1:2:%d with image, $d using 1:2:"
+                "(sprintf($%d < 1000 ? '%%.3g' : $%d == $%d ? '%%.0f' : '', $%d)) with labels textcolor rgb '#202020'\n",
+                3 + k, 3 + k, 3 + k, 3 + k, 3 + k);
     }
     fputs("unset multiplot\n", out);
 }

@@ -73,6 +73,7 @@ const point *recommend_anchor(const points *p, const char *names, const point *b
         snprintf(name, sizeof name, "%.*s", (int)length, names);
         anchor = points_find(p, name);
         if (!anchor) return NULL;
+        if (anchor == best) continue; /* would predict itself */
         away = same_estimator(best, anchor, p->frame_count) ? 0.0 : OTHER_ESTIMATOR;
         for (i = 0; i < p->frame_count; i++)
             away += fabs(log(sampling_part(best->rows[i], error) / sampling_part(anchor->rows[i], error)));

@@ -415,7 +415,8 @@ static void columns_are_averaged_as_they_say(void **state)
     NEAR(p.list[0].mean[CSV_edge_rmse], sqrt(12.5), EXACT);
     NEAR(p.list[0].mean[CSV_psnr], 10.0, EXACT);
     NEAR(p.list[0].mean[CSV_flip], 0.3, EXACT);
-    assert_true(points_know(&p, CSV_ring5_hf) && !points_know(&p, CSV_ring1_hf) && !points_know(&p, CSV_ring1_model));
+    NEAR(p.list[0].mean[CSV_ring1_hf], 1.0, EXACT); /* of the one frame that has it */
+    assert_true(points_know(&p, CSV_ring5_hf) && !points_know(&p, CSV_ring1_model));
     points_free(&p);
     csv_free(&table);
 }
@@ -671,6 +672,7 @@ static void a_prediction_scales_the_samples_and_keeps_the_rest(void **state)
     NEAR(recommend_predict(&p, &point_of[1], &point_of[0], &row[3], CSV_rmse_hf), hypot(0.10, 0.12), EXACT);
     NEAR(recommend_predict(&p, &point_of[2], &point_of[0], &row[3], CSV_rmse_hf), hypot(0.05, 0.24), EXACT);
     assert_ptr_equal(recommend_anchor(&p, "b,a", &point_of[2], CSV_rmse_hf), &point_of[0]);
+    assert_ptr_equal(recommend_anchor(&p, "b,c", &point_of[2], CSV_rmse_hf), &point_of[1]); /* not itself */
     assert_null(recommend_anchor(&p, "a,d", &point_of[2], CSV_rmse_hf));
 }
 
@@ -728,7 +730,8 @@ static void command_lines_end_with_the_documented_exit_codes(void **state)
     assert_run(1, "recommend --csv %s --budget-ms 1 --output far", "no rmse_hf of far is measured");
     assert_run(1, "recommend --csv %s --budget-ms 3 --holdout two", "+200.0 %: beyond 25 %");
     assert_run(0, "recommend --csv %s --budget-ms 3 --holdout two --anchor d", "+0.0 %: within 25 %");
-    assert_run(0, "recommend --csv %s --budget-ms 5 --holdout all --anchor balanced", "2 of 2 within 25 %");
+    assert_run(0, "recommend --csv %s --budget-ms 5 --holdout all --anchor balanced", "is the choice itself");
+    assert_run(0, "recommend --csv %s --budget-ms 5 --holdout all --anchor fast,balanced", "2 of 2 within 25 %");
     out = fopen(csv_path, "a"); /* a frame that has met one config only: d has .1 there, b twice that everywhere */
     assert_non_null(out);
     add(out, "d", "slices=d", "balanced", "new", "ao", 4.0, 0.1);

@@ -1,10 +1,11 @@
 /* test_presets.c - fast, balanced and quality are points of the recorded front: no other config of the record is
- * neither slower nor worse in any output and more than 10 % better in time or in an error. HBIL_RECORDED: the CSV of
- * the sweep that chose them. */
+ * neither slower nor worse in any output and more than 10 % better in time or in an error; and the README's figures are
+ * those of the record. HBIL_RECORDED: the CSV of the sweep that chose them. HBIL_README: the page. */
 #include <unistd.h>
 
 #define HBIL_IMPLEMENTATION
 #include "../test.h"
+#include "../../examples/frame/image.h"
 #include "../../examples/tradeoff/marginals.h"
 
 #define ALLOWED 0.10
@@ -95,15 +96,57 @@ static void recorded_presets_have_the_values_of_hbil_h(void **state)
     }
 }
 
+/* Mean of an error over the frames of the record that have it. */
+static double recorded(const char *output, int error_column, const char *preset)
+{
+    selection    s;
+    points       p;
+    const point *q;
+    char         error[1024];
+    double       result;
+
+    memset(&s, 0, sizeof s);
+    s.output = output;
+    s.error = error_column;
+    s.backend = table.rows[0].text[CSV_backend];
+    s.device = table.rows[0].text[CSV_device];
+    if (!points_make(&p, &table, &s, error, sizeof error)) fail_msg("%s", error);
+    q = points_find(&p, preset);
+    assert_non_null(q);
+    result = q->error;
+    points_free(&p);
+    return result;
+}
+
+static void the_readme_has_the_figures_of_the_record(void **state)
+{
+    static const char *const rows[] = {"fast", "balanced", "quality", "sampled"};
+    char                    *page, line[256], error[1024];
+    size_t                   i;
+
+    (void)state;
+    page = text_read(getenv("HBIL_README"), (size_t)1 << 20, "page", error, sizeof error);
+    if (!page) fail_msg("%s", error);
+    for (i = 0; i < sizeof rows / sizeof *rows; i++) {
+        snprintf(line, sizeof line, "| `%s` | %.3g | %.3f | %.3f | %.3f | %.3f |", rows[i],
+                 points_find(&sets[0], rows[i])->ms, recorded("ao", CSV_rmse_hf, rows[i]),
+                 recorded("ao", CSV_rmse_model, rows[i]), recorded("near", CSV_rmse_hf, rows[i]),
+                 recorded("near", CSV_rmse_model, rows[i]));
+        if (!strstr(page, line)) fail_msg("the README has not this row of the record:\n%s", line);
+    }
+    free(page);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_preset_is_dominated_by_more_than_10_percent),
         cmocka_unit_test(recorded_presets_have_the_values_of_hbil_h),
+        cmocka_unit_test(the_readme_has_the_figures_of_the_record),
     };
 
     if (!getenv("HBIL_RECORDED") || access(getenv("HBIL_RECORDED"), R_OK) != 0) {
-        puts("skipped: no record of a sweep at HBIL_RECORDED (examples/tradeoff/recorded.csv)");
+        puts("skipped: no record of a sweep at HBIL_RECORDED (examples/tradeoff/report/results.csv)");
         return 77;
     }
     return cmocka_run_group_tests_name("presets", tests, load, unload);
