@@ -87,6 +87,7 @@ static char *wrap_stores(char *text)
 /* A statement in which the texts differ: in a text of these kinds that holds all of `where`, it must be there once. */
 typedef struct seam { int kinds; const char *where[2], *from, *to; } seam;
 
+#define ROUNDED   1e-4 /* of the pixels: samples may fall on either side of a texel's border */
 #define ALL    (BOUND_RECORD | BOUND_BARE | BOUND_PROOF)
 #define NAKED  (BOUND_BARE | BOUND_PROOF)
 #define TRACED (BOUND_RECORD | BOUND_PROOF)
@@ -324,14 +325,15 @@ static int run_traced(const lit *l, const char *pass, int kind, image *trace, im
     return ok;
 }
 
-/* Equal hashes and numbers wherever the pass has an invocation? *reads: their number. */
+/* Equal hashes and numbers wherever the pass has an invocation, but for the few where the compiler's rounding moves a
+ * sample that lies between two texels? *reads: their number. */
 static int same_reads(const lit *l, int32_t pass, const image *a, const image *b, double *reads)
 {
     const hbil_pass *p = &l->plan.passes[pass];
     const uint32_t   width = (uint32_t)a->width, height = (uint32_t)a->height;
     hbil_dispatch    groups[HBIL_MAX_PASSES];
     uint32_t         extent[2] = {0, 0}, x, y;
-    int              same = 1;
+    double           count = 0.0, other = 0.0;
 
     hbil_plan_extent(&l->plan, p->domain, width, height, extent);
     if (p->grid == HBIL_GRID_LINES) {
@@ -345,10 +347,11 @@ static int same_reads(const lit *l, int32_t pass, const image *a, const image *b
             const size_t   at = 4 * ((size_t)row * width + x % width);
 
             if (row >= height) continue;
-            same &= memcmp(a->data + at, b->data + at, 3 * sizeof *a->data) == 0;
+            count += 1.0;
+            other += memcmp(a->data + at, b->data + at, 3 * sizeof *a->data) != 0;
             *reads += (double)a->data[at + 2];
         }
-    return same;
+    return other <= ROUNDED * count;
 }
 
 int bound_make(const lit *l, const char *pass, bound *b, char *error, size_t error_size)

@@ -64,9 +64,12 @@ static int take(void *user, settings *s, const char *name, const char *value)
 
 static void terms_of(const growth_point *p, double out[GROWTH_TERMS])
 {
+    const int sampled = p->steps > 0.0;
+
     out[0] = p->pixels;
-    out[1] = p->pixels * p->slices * p->steps;
-    out[2] = p->pixels * p->slices;
+    out[1] = p->pixels * p->slices * (sampled ? p->steps : 1.0);
+    out[2] = sampled ? p->pixels * p->slices : 1.0;
+    out[3] = sampled ? 1.0 : 0.0;
 }
 
 /* Solves m x = m[][n], by elimination with pivots. 0: it has no single solution. */
@@ -117,7 +120,7 @@ double growth_fit(growth_point *points, int count, int terms, double factor[GROW
     for (k = 0; k < terms; k++) factor[k] /= scale[k];
     for (i = 0; i < count; i++) {
         terms_of(&points[i], t);
-        points[i].predicted = factor[0] * t[0] + factor[1] * t[1] + factor[2] * t[2];
+        for (points[i].predicted = 0.0, k = 0; k < terms; k++) points[i].predicted += factor[k] * t[k];
         worst = fmax(worst, fabs(points[i].predicted / points[i].ms - 1.0));
     }
     return worst;
@@ -128,10 +131,10 @@ double growth_fit(growth_point *points, int count, int terms, double factor[GROW
 /* A config in a size, and its median of each round. */
 typedef struct station { int size, slices, steps; double ms[TIMING_RUNS_MAX]; } station;
 
-/* steps 0: a sweep. */
+/* steps 0: a sweep. Samples are counted by uniforms: with numbers in the text, a driver compiles other loops for each. */
 static void station_text(const station *a, char out[TEXT_MAX])
 {
-    if (a->steps) snprintf(out, TEXT_MAX, "outputs=ao slices=%d steps=%d", a->slices, a->steps);
+    if (a->steps) snprintf(out, TEXT_MAX, "outputs=ao slices=%d steps=%d dynamic=slices+steps", a->slices, a->steps);
     else snprintf(out, TEXT_MAX, "outputs=ao march=sweep slices=%d", a->slices);
 }
 
@@ -174,9 +177,10 @@ static int list_stations(int sizes, int swept, station *out)
 static void print_fit(growth *g, growth_point *points, int count, int swept)
 {
     double factor[GROWTH_TERMS], worst = HUGE_VAL;
-    int    i, terms, most = swept ? 2 : GROWTH_TERMS;
+    int    i, terms, most = swept ? 3 : GROWTH_TERMS;
 
     for (terms = 1; terms < most && !(worst <= WITHIN);) worst = growth_fit(points, count, ++terms, factor);
+    while (isinf(worst) && terms > 2) worst = growth_fit(points, count, --terms, factor); /* of one size */
     fprintf(g->out, "| pixels | slices |%s ms | predicted | off |\n|---:|---:|---:|---:|---:|%s\n",
             swept ? "" : " steps |", swept ? "" : "---:|");
     for (i = 0; i < count; i++) {
@@ -187,7 +191,8 @@ static void print_fit(growth *g, growth_point *points, int count, int swept)
         fprintf(g->out, " %.3f | %.3f | %+.1f %% |\n", p->ms, p->predicted, 100.0 * (p->predicted / p->ms - 1.0));
     }
     fprintf(g->out, "\nns a pixel = %.2f %+.2f x slices%s", 1e6 * factor[0], 1e6 * factor[1], swept ? "" : " x steps");
-    if (terms == GROWTH_TERMS) fprintf(g->out, " %+.2f x slices", 1e6 * factor[2]);
+    if (terms > 2 && !swept) fprintf(g->out, " %+.2f x slices", 1e6 * factor[2]);
+    if (terms == most) fprintf(g->out, ", and %.2f ms a frame", factor[most - 1]);
     fprintf(g->out, "; largest deviation %.1f %%, %s %.0f %%\n\n", 100.0 * worst,
             worst <= WITHIN ? "within" : "**not** within", 100.0 * WITHIN);
     g->off |= !(worst <= WITHIN);
@@ -217,7 +222,7 @@ static int fit_march(growth *g, const subject *sizes, int size_count, int swept)
 
         points[i].pixels = (double)cap->width * cap->height;
         points[i].slices = stations[i].slices;
-        points[i].steps = swept ? 1.0 : stations[i].steps;
+        points[i].steps = stations[i].steps;
         points[i].ms = timing_median(stations[i].ms, round);
     }
     fprintf(g->out, "### %s, %s: medians of %d rounds\n\n", sizes[0].name, name, round);

@@ -102,9 +102,9 @@ sweep
 part recommendations recommendations
 # shellcheck disable=SC2086 # words
 {
-    part statements "$tool" statements $frames $size $truth --repeat 3 --seconds 0.5
-    part growth "$tool" growth --scene terrain --size 1280x720 --rays 1
+    part growth "$tool" growth --scene terrain --size 640x360 --rays 1
     part ablation "$tool" ablate $scenes --size 320x180 --repeat 5 --seconds 1
+    part statements "$tool" statements $frames $size $truth --repeat 3 --seconds 0.5
 }
 part peers peers
 rm -f "$out/README.md"

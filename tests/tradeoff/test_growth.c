@@ -52,6 +52,9 @@ static void a_sum_of_known_terms_is_found(void **state)
     assert_true(growth_fit(points, count, 2, factor) > 0.1); /* two terms cannot say it */
     assert_true(growth_fit(points, count, 3, factor) < 1e-9);
     assert_true(fabs(factor[2] / 2e-5 - 1.0) < 1e-9);
+    for (i = 0; i < count; i++) points[i].ms += 0.05; /* what a frame takes once */
+    assert_true(growth_fit(points, count, 3, factor) > 0.1);
+    assert_true(growth_fit(points, count, 4, factor) < 1e-9 && fabs(factor[3] / 0.05 - 1.0) < 1e-9);
     for (i = 0; i < count; i++) assert_true(fabs(points[i].predicted / points[i].ms - 1.0) < 1e-9);
 }
 
@@ -63,11 +66,17 @@ static void what_does_not_grow_so_is_off(void **state)
 
     (void)state;
     points[5].ms *= 1.5;
-    assert_true(growth_fit(points, count, 3, factor) > 0.1);
+    assert_true(growth_fit(points, count, 4, factor) > 0.1);
     for (i = 0; i < count; i++) points[i].ms = pow(points[i].slices * points[i].steps, 2.0) * points[i].pixels;
     assert_true(growth_fit(points, count, 3, factor) > 0.3);
     for (i = 0; i < count; i++) points[i].steps = 1.0;
     assert_true(isinf(growth_fit(points, count, 3, factor))); /* slices x steps is slices */
+    assert_true(isfinite(growth_fit(points, count, 2, factor)));
+    for (i = 0; i < count; i++) {
+        points[i].steps = 0.0;
+        points[i].pixels = 1000.0;
+    }
+    assert_true(isinf(growth_fit(points, count, 3, factor))); /* of one size, a frame's time is its pixels' */
     assert_true(isfinite(growth_fit(points, count, 2, factor)));
 }
 
