@@ -150,7 +150,7 @@ static double error_of(const ablation *a, const errors *e)
 {
     const int model = strcmp(a->against, "model") == 0;
 
-    if (!e->present) return NAN;
+    if (!e->present) return (double)NAN;
     return model && isfinite(e->rmse_model) ? e->rmse_model : e->rmse_field;
 }
 

@@ -44,9 +44,9 @@ static void print_help(FILE *out)
           "  --max-rmse E    the fastest within this error\n"
           "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
           "                  there. all: each frame in turn\n"
-          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too; that counts\n"
-          "                  whose errors are most alike, never the choice itself. Scenes differ more than configs: one\n"
-          "                  run of a preset on a new frame tells how hard it is\n\n"
+          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too. That counts\n"
+          "                  whose errors are most alike, never the choice itself. Scenes differ more than configs:\n"
+          "                  one run of a preset on a new frame tells how hard it is\n\n"
           "compare: is a second run of a sweep the same as the first? Errors, times with and without the factor that\n"
           "all of them share, Pareto fronts, order of the presets\n\n"
           "all:\n"
@@ -212,7 +212,8 @@ static int compare(const points *others, const points *one, const point *best, c
         anchor = recommend_anchor(others, a->anchor, best, a->selection.error);
         there = anchor ? points_find(one, anchor->row->text[CSV_config_hash]) : NULL;
         if (!there) {
-            printf("%s: %s is not measured on it and on all others, or is the choice itself: no anchor\n", frame, a->anchor);
+            printf("%s: %s is not measured on it and on all others, or is the choice itself: no anchor\n", frame,
+                   a->anchor);
             return points_find(others, a->anchor) == best ? -1 : 0;
         }
     }

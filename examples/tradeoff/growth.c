@@ -131,7 +131,7 @@ double growth_fit(growth_point *points, int count, int terms, double factor[GROW
 /* A config in a size, and its median of each round. */
 typedef struct station { int size, slices, steps; double ms[TIMING_RUNS_MAX]; } station;
 
-/* steps 0: a sweep. Samples are counted by uniforms: with numbers in the text, a driver compiles other loops for each. */
+/* steps 0: a sweep. Samples are counted by uniforms: of numbers in the text, a driver makes other loops for each. */
 static void station_text(const station *a, char out[TEXT_MAX])
 {
     if (a->steps) snprintf(out, TEXT_MAX, "outputs=ao slices=%d steps=%d dynamic=slices+steps", a->slices, a->steps);

@@ -472,8 +472,8 @@ static void draw_grid(FILE *out, const picture *pic)
         fputs("set title ", out);
         quoted(out, k ? "ms" : csv_number_name(pic->selection->error));
         fprintf(out, "\nplot $d using 1:2:%d with image, $d using 1:2:"
-                "(sprintf($%d < 1000 ? '%%.3g' : $%d == $%d ? '%%.0f' : '', $%d)) with labels textcolor rgb '#202020'\n",
-                3 + k, 3 + k, 3 + k, 3 + k, 3 + k);
+                "(sprintf($%d < 1000 ? '%%.3g' : $%d == $%d ? '%%.0f' : '', $%d)) "
+                "with labels textcolor rgb '#202020'\n", 3 + k, 3 + k, 3 + k, 3 + k, 3 + k);
     }
     fputs("unset multiplot\n", out);
 }

