@@ -81,8 +81,9 @@ report:
 	$(COMPILE) --target hbil-tradeoff hbil-peers
 	@sh examples/tradeoff/report.sh $(BUILD)/bin out/report
 
-record: report
+record:
 	@test -n "$$HBIL_CAPTURES" || { echo 'make record: set HBIL_CAPTURES to the folder of the captures'; exit 2; }
+	@$(MAKE) report
 	mkdir -p examples/tradeoff/report && cp out/report/*.md out/report/*.csv out/report/*.svg examples/tradeoff/report/
 
 table:

@@ -44,9 +44,9 @@ static void print_help(FILE *out)
           "  --max-rmse E    the fastest within this error\n"
           "  --holdout F     choose by all frames but F, predict the error on F and compare with what was measured\n"
           "                  there. all: each frame in turn\n"
-          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too. That counts\n"
-          "                  whose errors are most alike, never the choice itself. Scenes differ more than configs:\n"
-          "                  one run of a preset on a new frame tells how hard it is\n\n"
+          "  --anchor P,Q    with --holdout: what presets or config hashes P, Q measured on F is known, too.\n"
+          "                  The one whose errors are most alike counts, never the choice itself. Scenes differ more\n"
+          "                  than configs: one run of a preset on a new frame tells how hard it is\n\n"
           "compare: is a second run of a sweep the same as the first? Errors, times with and without the factor that\n"
           "all of them share, Pareto fronts, order of the presets\n\n"
           "all:\n"
@@ -80,7 +80,7 @@ static int positive(const char *text, double *out)
 
 static int take(arguments *a, const char *name, const char *value)
 {
-    const char *const outputs[] = {"ao", "near", "far"};
+    const char *const outputs[] = CSV_OUTPUT_NAMES;
     size_t            i;
 
     if (strcmp(name, "--csv") == 0) return a->csv = value, 1;

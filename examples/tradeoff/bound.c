@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORD_BITS 24 /* of a float that hold a whole number */
+#define WORD_BITS 24   /* of a float that hold a whole number */
+#define ROUNDED   1e-4 /* of the pixels: with a world radius, rounding moves samples across texels: 1 of 230,400 seen */
 
 /* ---- text -------------------------------------------------------------------------------------------------------- */
 
@@ -87,7 +88,6 @@ static char *wrap_stores(char *text)
 /* A statement in which the texts differ: in a text of these kinds that holds all of `where`, it must be there once. */
 typedef struct seam { int kinds; const char *where[2], *from, *to; } seam;
 
-#define ROUNDED   1e-4 /* of the pixels: samples may fall on either side of a texel's border */
 #define ALL    (BOUND_RECORD | BOUND_BARE | BOUND_PROOF)
 #define NAKED  (BOUND_BARE | BOUND_PROOF)
 #define TRACED (BOUND_RECORD | BOUND_PROOF)

@@ -9,9 +9,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "csv.h"
 #include "runner.h"
 
-const char *const out_names[OUTS] = {"ao", "near", "far"};
+const char *const out_names[OUTS] = CSV_OUTPUT_NAMES;
 
 /* ---- command line ------------------------------------------------------------------------------------------------ */
 

@@ -329,7 +329,7 @@ static void print_deviation(FILE *out, const deviation *d, const char *what)
 int compare_print(FILE *out, const csv tables[2], const char *const paths[2], const selection *s, char *error,
                   size_t error_size)
 {
-    static const char *const outputs[] = {"ao", "near", "far"};
+    static const char *const outputs[] = CSV_OUTPUT_NAMES;
     comparison c;
     deviation  raw, d;
     int        i, swaps = 0, is_same;
@@ -346,8 +346,8 @@ int compare_print(FILE *out, const csv tables[2], const char *const paths[2], co
             compare_tau(&c));
     print_deviation(out, &raw, "         off by:");
     print_deviation(out, &d, "         that factor taken out:");
-    for (i = 0; i < 3; i++)
-        if (!s->output || same(s->output, outputs[i])) 
+    for (i = 0; i < CSV_OUTPUTS; i++)
+        if (!s->output || same(s->output, outputs[i]))
             swaps += print_ranks(out, tables, c.twins->row, s->error, outputs[i]);
     is_same = c.differ == 0 && d.p90 <= COMPARE_WITHIN && swaps == 0;
     fprintf(out, "%s\n", is_same ? "the same" : "not the same");

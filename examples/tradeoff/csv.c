@@ -92,6 +92,15 @@ static int read_header(reader *r, char *line)
     return 1;
 }
 
+static int is_output(const char *text)
+{
+    static const char *const names[CSV_OUTPUTS] = CSV_OUTPUT_NAMES;
+    int i;
+
+    for (i = 0; i < CSV_OUTPUTS && strcmp(text, names[i]) != 0; i++) continue;
+    return i < CSV_OUTPUTS;
+}
+
 static int read_number(reader *r, int index, const char *text, double *out)
 {
     const int signed_ = csv_number_trait(index) == CSV_SIGNED;
@@ -119,7 +128,7 @@ static int read_row(reader *r, char *line, csv_row *row)
     for (k = 0; k < CSV_NUMBER_COUNT; k++)
         if (!read_number(r, k, r->number_at[k] < 0 ? "" : fields[r->number_at[k]], &row->number[k])) return 0;
     output = row->text[CSV_output];
-    if (strcmp(output, "ao") != 0 && strcmp(output, "near") != 0 && strcmp(output, "far") != 0)
+    if (!is_output(output))
         return frame_error(r->error, r->error_size, "%s:%d: output is \"%.40s\", not ao, near or far. " AGAIN, r->path,
                            r->line, output);
     if (!row->text[CSV_config_hash][0] || !row->text[CSV_frame][0] || !(row->number[CSV_ms_median] > 0.0))

@@ -4,6 +4,12 @@
 
 #include <stddef.h>
 
+/* Outputs that have a truth, in the order of OUT_ of common.h; and what the config of a shader that is not hbil.h's
+ * begins with. */
+#define CSV_OUTPUT_NAMES {"ao", "near", "far"}
+#define CSV_OUTPUTS      3
+#define CSV_EXTERNAL     "external:"
+
 /* What a column may hold, and how it is averaged over frames. */
 enum {
     CSV_PLAIN,
@@ -31,7 +37,7 @@ enum {
     NUMBER(ring4_hf, SQUARE, e->ring_field[3]) NUMBER(ring5_hf, SQUARE, e->ring_field[4])                              \
     NUMBER(ring1_model, SQUARE, e->ring_model[0]) NUMBER(ring2_model, SQUARE, e->ring_model[1])                        \
     NUMBER(ring3_model, SQUARE, e->ring_model[2]) NUMBER(ring4_model, SQUARE, e->ring_model[3])                        \
-    NUMBER(ring5_model, SQUARE, e->ring_model[4]) NUMBER(flicker, PLAIN, e->flicker)                                   \
+    NUMBER(ring5_model, SQUARE, e->ring_model[4]) NUMBER(flicker, PLAIN, e->flicker) TEXT(commit, PLAIN, of->commit)   \
     NUMBER(noise, PLAIN, m->time.noisy)
 
 #define CSV_ENUM(name, trait, source) CSV_##name,

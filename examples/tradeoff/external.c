@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "../../shadergen/cost.h"
+#include "csv.h"
 #include "module.h"
 
 void externals_help(void)
@@ -58,7 +59,7 @@ static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVW
 
 static int check_name(const external *e, settings *s)
 {
-    const char  *name = e->name + strlen(EXTERNAL_PREFIX);
+    const char  *name = e->name + strlen(CSV_EXTERNAL);
     const size_t length = strlen(name);
 
     if (length > 0 && length <= 40 && !name[strspn(name, letters)]) return TRADE_DONE;
@@ -67,7 +68,7 @@ static int check_name(const external *e, settings *s)
 
 static int set_name(external *e, const char *name, size_t length)
 {
-    snprintf(e->name, sizeof e->name, EXTERNAL_PREFIX "%.*s", (int)length, name);
+    snprintf(e->name, sizeof e->name, CSV_EXTERNAL "%.*s", (int)length, name);
     return TRADE_DONE;
 }
 
@@ -205,7 +206,7 @@ static int open_one(externals *x, settings *s, int index)
     for (i = 0; code == TRADE_DONE && i < index; i++)
         if (strcmp(x->list[i].name, e->name) == 0)
             code = FAIL(s, "--external: two are named %s. Tell them apart with name=",
-                        e->name + strlen(EXTERNAL_PREFIX));
+                        e->name + strlen(CSV_EXTERNAL));
     return code;
 }
 

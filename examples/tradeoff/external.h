@@ -18,8 +18,7 @@
 #include "common.h"
 #include "runner.h"
 
-#define EXTERNALS_MAX   8
-#define EXTERNAL_PREFIX "external:"
+#define EXTERNALS_MAX 8
 
 /* The uniform block, std140. Matrices column-major; the projection takes view space (right-handed, -z forward) to ndc
  * z in [0, 1], reversed where depth_format says so, and to ndc y = -1 at the upper edge of texel row 0. */

@@ -10,13 +10,14 @@
 
 static int same(const char *a, const char *b) { return strcmp(a, b) == 0; }
 
-#define EXTERNAL "external:"
-
-int row_is_external(const csv_row *row) { return strncmp(row->text[CSV_config], EXTERNAL, strlen(EXTERNAL)) == 0; }
+int row_is_external(const csv_row *row)
+{
+    return strncmp(row->text[CSV_config], CSV_EXTERNAL, strlen(CSV_EXTERNAL)) == 0;
+}
 
 const char *row_name(const csv_row *row)
 {
-    return row_is_external(row) ? row->text[CSV_config] + strlen(EXTERNAL) : row->text[CSV_preset];
+    return row_is_external(row) ? row->text[CSV_config] + strlen(CSV_EXTERNAL) : row->text[CSV_preset];
 }
 
 static int number_order(double a, double b) { return (a > b) - (a < b); } /* NaN equals all: the column is absent */

@@ -1,5 +1,6 @@
 /* pair.c - hbil-tradeoff pair: two configs, or externals, in turns, and whether their difference says anything. */
 #include "commands.h"
+#include "csv.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,7 +110,7 @@ static int open_sides(pair *p, const subject *sub, lit sides[2], int *opened)
         const external *own = externals_find(&p->own, text);
         lit            *l = &sides[*opened];
 
-        if (!own && strncmp(text, EXTERNAL_PREFIX, strlen(EXTERNAL_PREFIX)) == 0) {
+        if (!own && strncmp(text, CSV_EXTERNAL, strlen(CSV_EXTERNAL)) == 0) {
             frame_error(s->error, sizeof s->error, "%s: no --external has this name", text);
             return TRADE_USAGE;
         }

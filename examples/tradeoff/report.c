@@ -14,7 +14,7 @@
 #define PATH_BYTES 4096
 #define NAME_BYTES 64
 
-static const char *const outputs[] = {"ao", "near", "far"};
+static const char *const outputs[] = CSV_OUTPUT_NAMES;
 
 /* A page in the making. */
 typedef struct page {

@@ -5,8 +5,8 @@
 #   examples/tradeoff/report.sh [BIN [OUT]]     default: build/bin out/report
 #
 # HBIL_CAPTURES: a folder of captures, whose frames come on top of the built-in scenes. About an hour on two cores;
-# leave the machine alone meanwhile. Stopped, it goes on where it was: a part that is in OUT is not made again. Remove OUT to
-# begin anew. OUT/README.md leads to all parts. The sweep alone: REPORT_PARTS=sweep.
+# leave the machine alone meanwhile. Stopped, it goes on where it was: a part that is in OUT is not made again. Remove
+# OUT to begin anew. OUT/README.md leads to all parts. The sweep alone: REPORT_PARTS=sweep.
 set -eu
 
 bin=${1:-build/bin}
@@ -16,7 +16,7 @@ scenes="--scene cornell,fence,metals,terrain"
 frames=$scenes
 [ -z "${HBIL_CAPTURES:-}" ] || frames="$scenes --frames $HBIL_CAPTURES"
 size="--size 480x270"        # of the built-in scenes
-truth="--converged 16x128x1" # twice the steps and frames change the third digit, and take four times as long
+truth="--converged 16x128x1" # a quarter of the default's samples: up to a tenth of rmse_sampling is its own noise
 # LP_NUM_THREADS balances Mesa's software rasterisers; GPUs do not read it.
 export LP_NUM_THREADS="${LP_NUM_THREADS:-16}"
 
@@ -36,11 +36,14 @@ part()
 }
 
 # Presets of articles; sweeps and samples of the whole screen, slices against steps, with the presets among them.
-# hbil_paper and hbil_screen are left out: with all bounces, a converged estimator is seven frames of thousands of samples.
+# hbil_paper and hbil_screen are left out: with all bounces, a converged estimator is seven frames of thousands of
+# samples.
 sweep()
 {
+    commit=$(git -C "$(dirname "$0")" describe --always --dirty 2>/dev/null || true)
     # shellcheck disable=SC2086 # words
-    set -- "$tool" sweep $frames $size $truth --repeat 15 --seconds 3 --out "$out/results.csv"
+    set -- "$tool" sweep $frames $size $truth --repeat 15 --seconds 3 --out "$out/results.csv" \
+        ${commit:+--commit "$commit"}
     "$@" --preset hbao,hbao_plus,gtao,bitmask
     "$@" --preset fast,balanced,quality --options 'march=sweep slices=1,2,4,6,8,12 sweep_stride=1,2,3 filter=none,3x3'
     "$@" --options 'march=sweep slices=2,4,8 sweep_stride=3 filter=5x5 downscale=1,2'
@@ -57,7 +60,7 @@ recommendations()
                 set -- "$tool" recommend --csv "$out/results.csv" --output $output --error $error --as-fast-as $preset
                 printf '\n## %s of %s, as fast as `%s`\n\n```text\n' $error $output $preset
                 "$@" || return 2
-                "$@" --holdout all --anchor fast,balanced,quality,sampled || [ $? -eq 1 ]
+                "$@" --holdout all --anchor fast,balanced,quality,sampled || [ $? -eq 1 ] || return 2
                 echo '```'
             done
         done
@@ -66,8 +69,12 @@ recommendations()
 
 peers()
 {
-    if [ -n "${HBIL_CAPTURES:-}" ]; then "$bin/hbil-peers" --frames "$HBIL_CAPTURES" --csv "$out/peers.csv"
-    else "$bin/hbil-peers" --scene cornell --size 480x270 --csv "$out/peers.csv"; fi
+    set -- --scene cornell --size 480x270
+    [ -z "${HBIL_CAPTURES:-}" ] || set -- --frames "$HBIL_CAPTURES"
+    code=0
+    "$bin/hbil-peers" "$@" --csv "$out/peers.csv" || code=$?
+    [ "$code" -ne 4 ] || echo 'Left out: node, npm or the registry is missing. Remove this file and start again for it.'
+    [ "$code" -eq 4 ] || return "$code"
 }
 
 index()
@@ -78,10 +85,11 @@ index()
         $column["output"] == "ao" && !seen[$column["frame"]]++ {
             frames = frames (frames ? ", " : "") $column["frame"] " (" $column["width"] "x" $column["height"] ")" }
         !configs[$column["config_hash"]]++ { ++count }
+        { if (column["commit"]) commit = ", commit " $column["commit"] }
         { device = $column["device"]; driver = $column["driver"]; version = $column["version"] }
         END {
             print "# Report\n"
-            print "By `make report`, " date ": hbil " version ", " device ", " driver "; " cpu ", " cores \
+            print "By `make report`, " date ": hbil " version commit ", " device ", " driver "; " cpu ", " cores \
                 " cores, LP_NUM_THREADS=" threads "."
             print count " configs on " frames ".\n"
             print "![Error of ao over time, the Pareto front, presets](ao-front.svg)"

@@ -25,7 +25,7 @@ static const char *const header = with_comma + 1;
 
 /* What a config's rows on a frame begin with. */
 typedef struct origin {
-    char        version[32], hash[24], device[128], driver[128];
+    char        version[32], hash[24], device[128], driver[128], commit[128];
     const char *config, *preset, *backend, *frame;
     int         width, height;
 } origin;
@@ -235,6 +235,7 @@ int rows_add(rows *r, const runner_info *about, uint64_t hash, const char *words
     find_origin(&of, about, hash, frame, width, height);
     of.config = words;
     of.preset = preset;
+    clean(of.commit, sizeof of.commit, r->commit ? r->commit : "");
     for (k = 0; k < OUTS; k++)
         if (m->out[k].present && (wanted & 1u << k)) used += make_row(text + used, ROW_MAX, &of, k, m);
     return write_all(r->file, text, used)

@@ -9,6 +9,7 @@ typedef struct rows {
     int    file;            /* descriptor, locked against a second sweep */
     char **keys;            /* of the rows that were there, sorted */
     int    count, repaired; /* repaired: bytes of a torn last line that were cut off */
+    const char *commit;     /* the caller's, set after rows_open: what new rows say of the code; NULL: nothing */
 } rows;
 
 /* Opens or makes the file; a last line without its end is cut off. 1, or 0: error[] says what is wrong with it. */

@@ -13,7 +13,7 @@
 
 typedef struct sweep {
     settings    s;
-    const char *options, *presets, *out;
+    const char *options, *presets, *out, *commit;
     int         budget, seed;
     externals   own;
     char       *text;           /* of the grid */
@@ -46,6 +46,7 @@ void sweep_help(void)
         "  --options TEXT    \"slices=1,2,4 steps=2..16*2 exponent=1..3+.5\": lists; ranges by factor, by step, by 1.\n"
         "                    preset=A,B tells where configs begin. Or a file of such text; # starts a comment\n"
         "  --preset A,B      presets as points of their own, next to the options; all: every preset\n"
+        "  --commit TEXT     what the rows say of the code, as in --commit $(git describe --always --dirty)\n"
         "  --budget N        N combinations at random instead of all; --seed N chooses others, default 1\n",
         stdout);
     externals_help();
@@ -55,7 +56,8 @@ static int take(void *user, settings *s, const char *name, const char *value)
 {
     sweep *w = user;
     const struct { const char *name; const char **target; } texts[] = {
-        {"--options", &w->options}, {"--preset", &w->presets}, {"--out", &w->out}};
+        {"--options", &w->options}, {"--preset", &w->presets}, {"--out", &w->out},
+        {"--commit", &w->commit}};
     size_t i;
 
     for (i = 0; i < sizeof texts / sizeof *texts; i++) {
@@ -321,6 +323,7 @@ static int run(sweep *w)
     if (code == TRADE_DONE) code = subject_find(&w->s, &list);
     if (code != TRADE_DONE) return code;
     if (!rows_open(&w->r, w->out, w->s.error, sizeof w->s.error)) return TRADE_FILES;
+    w->r.commit = w->commit;
     if (w->r.repaired)
         fprintf(stderr, "hbil-tradeoff: %s: a torn last line of %d bytes was cut off\n", w->out, w->r.repaired);
     w->device = runner_open(w->s.backend, 0, w->s.error, sizeof w->s.error);

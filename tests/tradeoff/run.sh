@@ -62,7 +62,8 @@ diff "$work/a" "$work/b" || fail "a sweep that went on has other rows"
 [ "$(wc -l <"$work/whole.csv")" -eq 16 ] || fail "16 lines expected: header, 7 configs of two outputs, one of one"
 grep -q ',fast,' "$work/whole.csv" || fail "the preset has no name"
 code 0 sweep $frame --options "$options" --preset fast,hbao --out "$work/killed.csv"; says '0 configs run, 8 were there'
-code 0 sweep $frame --options "$options" --budget 2 --out "$work/some.csv"
+code 0 sweep $frame --options "$options" --budget 2 --commit 'v1,2' --out "$work/some.csv"
+grep -q ',v1;2,' "$work/some.csv" || fail "the rows do not say the commit"
 [ "$(awk -F, 'NR == 1 { n = NF } NF != n' "$work/whole.csv" "$work/some.csv" | wc -l)" -eq 0 ] || fail "a row has not the header's cells"
 # psnr of ao follows from its error; the rings' errors lie around the whole's
 awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }

@@ -12,7 +12,7 @@
 #define TEXT    4096
 
 static const char *const presets[] = {"fast", "balanced", "quality"};
-static const char *const outputs[] = {"ao", "near", "far"};
+static const char *const outputs[] = CSV_OUTPUT_NAMES;
 
 static csv    table;
 static points sets[3];
