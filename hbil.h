@@ -3476,6 +3476,8 @@ static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "    return texelFetch(u_depth, p, 0).r;\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_prepare_HBIL_NEAREST[] =
+"const float HBIL_NEAREST = 1e-9; // least view depth of a surface, perspective: below, squares of lengths underflow. m\n";
 static const char hbil__glsl_prepare_hbil_view_depth[] =
 "// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any\n"
 "// arithmetic could round it, and is written so that NaN is sky too.\n"
@@ -3494,13 +3496,13 @@ static const char hbil__glsl_prepare_hbil_view_depth[] =
 "#if HBIL_PROJECTION_ORTHOGRAPHIC\n"
 "    float z = d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y;\n"
 "#elif HBIL_DEPTH_FAR_INFINITE\n"
-"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x);\n"
+"    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x, 1e-30); // the sky's: 1e30\n"
 "#else\n"
-"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y);\n"
+"    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y, 1e-30);\n"
 "#endif\n"
 "#endif\n"
 "#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    return surface && z > 0.0 && z < HBIL_SKY ? z : HBIL_SKY;\n"
+"    return surface && z >= HBIL_NEAREST && z < HBIL_SKY ? z : HBIL_SKY;\n"
 "#else\n"
 "    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;\n"
 "#endif\n"
@@ -3532,7 +3534,7 @@ static const char hbil__glsl_prepare_hbil_load_raw_normal[] =
 "    return hbil_unfold(t.xy * 2.0 - 1.0);\n"
 "#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888\n"
 "    // low bytes of x and y, then their high halves in one byte\n"
-"    uvec3 b = uvec3(clamp(t, 0.0, 1.0) * 255.0 + 0.5);\n"
+"    uvec3 b = uvec3(min(hbil_finite(t), 1.0) * 255.0 + 0.5);\n"
 "    uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);\n"
 "    return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);\n"
 "#elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM\n"
@@ -4529,7 +4531,7 @@ static const char hbil__glsl_light_hbil_shade[] =
 "#endif\n"
 "#if HBIL_OUTPUTS_SPECULAR_OCCLUSION\n"
 "#if HBIL_ROUGHNESS_0\n"
-"    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);\n"
+"    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);\n"
 "#else\n"
 "    float roughness = HBIL_ROUGHNESS;\n"
 "#endif\n"
@@ -4773,6 +4775,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_has_pushed", "last", hbil__glsl_last_hbil_has_pushed },
     { "hbil_push", "last", hbil__glsl_last_hbil_push },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
+    { "HBIL_NEAREST", "prepare", hbil__glsl_prepare_HBIL_NEAREST },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
     { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
     { "hbil_load_raw_normal", "prepare", hbil__glsl_prepare_hbil_load_raw_normal },

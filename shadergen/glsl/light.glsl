@@ -95,7 +95,7 @@ void hbil_shade(ivec2 p, float z) {
 #endif
 #if HBIL_OUTPUTS_SPECULAR_OCCLUSION
 #if HBIL_ROUGHNESS_0
-    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);
+    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);
 #else
     float roughness = HBIL_ROUGHNESS;
 #endif
