@@ -1,0 +1,2 @@
+/* hazards.c - frames in which one hazard of the arithmetic each shows, and the truth about them. */
+#include "hazards.h"
