@@ -1527,6 +1527,10 @@ static const char hbil__glsl_triangle_vertex[] =
 "}\n";
 static const char hbil__glsl_common_HBIL_SKY[] =
 "const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m\n";
+static const char hbil__glsl_common_HBIL_LEAST_DEPTH[] =
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"const float HBIL_LEAST_DEPTH = 1e-15; // nearer is no surface: nearness, its squares and sums stay finite. m\n"
+"#endif\n";
 static const char hbil__glsl_common_HBIL_RADIANCE_MAX[] =
 "const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite\n";
 static const char hbil__glsl_common_HBIL_PI[] =
@@ -1624,8 +1628,9 @@ static const char hbil__glsl_common_hbil_load_normal[] =
 "    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);\n"
 "}\n";
 static const char hbil__glsl_common_hbil_direction[] =
-"// Unit vector along v; `other` where v is nothing.\n"
+"// Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.\n"
 "vec3 hbil_direction(vec3 v, vec3 other) {\n"
+"    v += 2e-5 * other;\n"
 "    float l2 = dot(v, v);\n"
 "    return l2 > 1e-12 ? v * inversesqrt(l2) : other;\n"
 "}\n";
@@ -2852,7 +2857,7 @@ static const char hbil__glsl_bitmask_hbil_far_arc[] =
 "// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
 "// bent: their cosine-weighted directions in the space of the passes; r: the receiver.\n"
 "vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {\n"
-"    vec3 d = hbil_to_world(normalize(bent));\n"
+"    vec3 d = hbil_to_world(hbil_direction(bent / max(energy, 1e-20), r.n));\n"
 "#if HBIL_ENVIRONMENT_CUBE\n"
 "    return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);\n"
 "#elif HBIL_ENVIRONMENT_HOOK\n"
@@ -3148,13 +3153,14 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "#endif\n"
 "#if HBIL_BENT\n"
 "    vec3 bent = s[HBIL_AT_BENT].xyz;\n"
+"    bent *= min(inversesqrt(max(dot(bent, bent), 1e-12)), 1.0); // that of one slice may be longer than 1\n"
 "#if !HBIL_AO_EXPONENT_1\n"
 "    bent *= lift;\n"
 "#endif\n"
 "    imageStore(u_bent, p, vec4(bent, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));\n"
+"    imageStore(u_uniform_ao, p, vec4(clamp(s[HBIL_AT_FAR].a, 0.0, 1.0)));\n"
 "#endif\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near = s[0].rgb;\n"
@@ -3335,9 +3341,11 @@ static const char hbil__glsl_last_hbil_land[] =
 "    float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);\n"
 "    if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too\n"
 "    vec3 landing = hbil_landing(q, before);\n"
-"    p = ivec2(floor(landing.xy));\n"
+"    // before it is made an int: none holds NaN or what is far away\n"
+"    if (!(all(greaterThanEqual(landing.xy, vec2(0.0))) && all(lessThan(landing.xy, vec2(HBIL_SIZE))))) return false;\n"
+"    p = ivec2(landing.xy);\n"
 "    z = landing.z;\n"
-"    return all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, HBIL_SIZE));\n"
+"    return true;\n"
 "}\n";
 static const char hbil__glsl_last_hbil_depth_key[] =
 "// Order of view depths as whole numbers.\n"
@@ -3500,7 +3508,7 @@ static const char hbil__glsl_prepare_hbil_view_depth[] =
 "#endif\n"
 "#endif\n"
 "#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    return surface && z > 0.0 && z < HBIL_SKY ? z : HBIL_SKY;\n"
+"    return surface && z >= HBIL_LEAST_DEPTH && z < HBIL_SKY ? z : HBIL_SKY;\n"
 "#else\n"
 "    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;\n"
 "#endif\n"
@@ -4192,7 +4200,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);\n"
 "#if HBIL_RATIO && !HBIL_DEFER\n"
 "    // what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
-"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
+"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-30);\n"
 "#elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))\n"
 "    float scale = hbil_mean(sum);\n"
 "#endif\n"
@@ -4220,7 +4228,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "    s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
-"    s[HBIL_AT_FAR].rgb = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);\n"
+"    s[HBIL_AT_FAR].rgb = HBIL_FAR_INTENSITY * hbil_finite(scale * sum.far);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    hbil_store_sh(sum, scale, s);\n"
@@ -4478,7 +4486,7 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    vec3 a = 2.0404 * albedo - 0.3324;\n"
 "    vec3 b = -4.7951 * albedo + 0.6417;\n"
 "    vec3 c = 2.7552 * albedo + 0.6903;\n"
-"    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);\n"
+"    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit passes 1 by 1e-4\n"
 "#else\n"
 "    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
 "#endif\n"
@@ -4529,7 +4537,7 @@ static const char hbil__glsl_light_hbil_shade[] =
 "#endif\n"
 "#if HBIL_OUTPUTS_SPECULAR_OCCLUSION\n"
 "#if HBIL_ROUGHNESS_0\n"
-"    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);\n"
+"    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);\n"
 "#else\n"
 "    float roughness = HBIL_ROUGHNESS;\n"
 "#endif\n"
@@ -4615,6 +4623,7 @@ static const char hbil__glsl_light_main[] =
 static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "vertex", "triangle", hbil__glsl_triangle_vertex },
     { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
+    { "HBIL_LEAST_DEPTH", "common", hbil__glsl_common_HBIL_LEAST_DEPTH },
     { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
     { "HBIL_PI", "common", hbil__glsl_common_HBIL_PI },
     { "hbil_texel", "common", hbil__glsl_common_hbil_texel },

@@ -4,6 +4,11 @@
 //@ chunk HBIL_SKY
 const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m
 
+//@ chunk HBIL_LEAST_DEPTH
+#if HBIL_PROJECTION_PERSPECTIVE
+const float HBIL_LEAST_DEPTH = 1e-15; // nearer is no surface: nearness, its squares and sums stay finite. m
+#endif
+
 //@ chunk HBIL_RADIANCE_MAX
 const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite
 
@@ -115,8 +120,9 @@ vec3 hbil_load_normal(ivec2 p) {
 }
 
 //@ chunk hbil_direction
-// Unit vector along v; `other` where v is nothing.
+// Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.
 vec3 hbil_direction(vec3 v, vec3 other) {
+    v += 2e-5 * other;
     float l2 = dot(v, v);
     return l2 > 1e-12 ? v * inversesqrt(l2) : other;
 }

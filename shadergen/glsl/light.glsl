@@ -41,7 +41,7 @@ vec3 hbil_multi_bounce(float ao, vec3 albedo) {
     vec3 a = 2.0404 * albedo - 0.3324;
     vec3 b = -4.7951 * albedo + 0.6417;
     vec3 c = 2.7552 * albedo + 0.6903;
-    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);
+    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit passes 1 by 1e-4
 #else
     return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));
 #endif
@@ -95,7 +95,7 @@ void hbil_shade(ivec2 p, float z) {
 #endif
 #if HBIL_OUTPUTS_SPECULAR_OCCLUSION
 #if HBIL_ROUGHNESS_0
-    float roughness = clamp(texelFetch(u_roughness, p, 0).r, 0.0, 1.0);
+    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);
 #else
     float roughness = HBIL_ROUGHNESS;
 #endif

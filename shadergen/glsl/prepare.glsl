@@ -33,7 +33,7 @@ float hbil_view_depth(ivec2 p) {
 #endif
 #endif
 #if HBIL_PROJECTION_PERSPECTIVE
-    return surface && z > 0.0 && z < HBIL_SKY ? z : HBIL_SKY;
+    return surface && z >= HBIL_LEAST_DEPTH && z < HBIL_SKY ? z : HBIL_SKY;
 #else
     return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;
 #endif

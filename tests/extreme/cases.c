@@ -67,17 +67,22 @@ static void poke(const hbil_plan *plan, int index, extreme_frame *out, const cha
 #define POKES(X) \
     X(depth_zero, "depth", 0.0f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_one, "depth", 1.0f, EVERYWHERE, EXTREME_LEGAL) \
-    X(depth_denormal, "depth", 1e-40f, EVERYWHERE, 0) \
-    X(depth_least_normal, "depth", 1.2e-38f, EVERYWHERE, 0) \
-    X(depth_1e_30, "depth", 1e-30f, EVERYWHERE, 0) \
-    X(depth_1e_15, "depth", 1e-15f, EVERYWHERE, 0) \
-    X(depth_1e_4, "depth", 1e-4f, EVERYWHERE, EXTREME_LEGAL) \
-    X(depth_1e9, "depth", 9.9e8f, EVERYWHERE, EXTREME_LEGAL) \
-    X(depth_1e14, "depth", 9e14f, EVERYWHERE, 0) \
-    X(depth_negative, "depth", -1.0f, EVERYWHERE, 0) \
-    X(depth_infinite, "depth", INFINITY, EVERYWHERE, 0) \
-    X(depth_minus_infinite, "depth", -INFINITY, EVERYWHERE, 0) \
-    X(depth_nan, "depth", NAN, EVERYWHERE, 0) \
+    X(depth_1e_4, "depth", 1e-4f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_1e_15, "depth", 1e-15f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_1e_30, "depth", 1e-30f, EVERYWHERE, EXTREME_LEGAL) \
+    X(depth_least_normal, "depth", 1.2e-38f, EVERYWHERE, EXTREME_LEGAL) \
+    X(depth_denormal, "depth", 1e-40f, EVERYWHERE, EXTREME_LEGAL) \
+    X(depth_1e9, "depth", 9.9e8f, ON_LINEAR, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_1e14, "depth", 9e14f, ON_LINEAR, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_negative, "depth", -1.0f, ON_LINEAR, EXTREME_LEGAL) \
+    X(depth_infinite, "depth", INFINITY, ON_LINEAR, EXTREME_LEGAL) \
+    X(depth_minus_infinite, "depth", -INFINITY, ON_LINEAR, EXTREME_LEGAL) \
+    X(depth_nan, "depth", NAN, ON_LINEAR, EXTREME_LEGAL) \
+    X(device_depth_large, "depth", 9.9e8f, ON_DEVICE, 0) \
+    X(device_depth_negative, "depth", -1.0f, ON_DEVICE, 0) \
+    X(device_depth_infinite, "depth", INFINITY, ON_DEVICE, 0) \
+    X(device_depth_minus_infinite, "depth", -INFINITY, ON_DEVICE, 0) \
+    X(device_depth_nan, "depth", NAN, ON_DEVICE, 0) \
     X(normal_zero, "normal", 0.0f, ON_NORMALS, EXTREME_LEGAL) \
     X(normal_nan, "normal", NAN, ON_NORMALS, 0) \
     X(normal_infinite, "normal", INFINITY, ON_NORMALS, 0) \
@@ -140,12 +145,15 @@ POKES(FILL_POKE)
 #define ON_LIGHT(n, f, e, g) ON_COMPOSITE(n, f, e, g) ONE(n, HORIZON, 3, f, e, g) ONE(n, SWEEP, 3, f, e, g) ONE(n, STRIDE, 3, f, e, g) \
     ONE(n, BOTH, 3, f, e, g) ONE(n, SINKING, 3, f, e, g) ONE(n, BILINEAR, 3, f, e, g) ONE(n, SIDE, 3, f, e, g) \
     ONE(n, GATHERED, 4, f, e, g) ONE(n, BLENDED, 6, f, e, g) ONE(n, ORTHO, 3, f, e, g) ONE(n, SEED, 3, f, e, g)
-#define ON_NORMALS(n, f, e, g) ONE(n, HORIZON, 3, f, e, g) ONE(n, ENDS, 3, f, e, g) ONE(n, THICK, 3, f, e, g) ONE(n, SWEEP, 3, f, e, g) \
-    ONE(n, STRIDE, 3, f, e, g) ONE(n, BOTH, 3, f, e, g) ONE(n, HBAO, 3, f, e, g) ONE(n, HBAO_PLUS, 3, f, e, g) ONE(n, GTAO, 3, f, e, g) \
-    ONE(n, BILINEAR, 3, f, e, g) ONE(n, SIDE, 3, f, e, g) ONE(n, FORWARD, 3, f, e, g) ONE(n, ORTHO_SWEEP, 3, f, e, g) \
-    ONE(n, GATHERED, 4, f, e, g) ONE(n, SCATTERED, 4, f, e, g) ONE(n, BLENDED, 4, f, e, g) ONE(n, SWEPT_FRAMES, 4, f, e, g) \
-    ONE(n, AO_FRAMES, 4, f, e, g) ONE(n, SEED, 3, f, e, g) ONE(n, OCTA, 3, f, e, g) ONE(n, TWO, 3, f, e, g)
-#define EVERYWHERE(n, f, e, g) ON_NORMALS(n, f, e, g) ONE(n, SINKING, 3, f, e, g) ONE(n, REVERSED, 3, f, e, g) ONE(n, ORTHO, 3, f, e, g)
+#define ON_LINEAR_NORMALS(n, f, e, g) ONE(n, HORIZON, 3, f, e, g) ONE(n, ENDS, 3, f, e, g) ONE(n, THICK, 3, f, e, g) \
+    ONE(n, SWEEP, 3, f, e, g) ONE(n, STRIDE, 3, f, e, g) ONE(n, BOTH, 3, f, e, g) ONE(n, HBAO, 3, f, e, g) ONE(n, HBAO_PLUS, 3, f, e, g) \
+    ONE(n, GTAO, 3, f, e, g) ONE(n, BILINEAR, 3, f, e, g) ONE(n, SIDE, 3, f, e, g) ONE(n, GATHERED, 4, f, e, g) \
+    ONE(n, SCATTERED, 4, f, e, g) ONE(n, BLENDED, 4, f, e, g) ONE(n, SWEPT_FRAMES, 4, f, e, g) ONE(n, AO_FRAMES, 4, f, e, g) \
+    ONE(n, SEED, 3, f, e, g) ONE(n, OCTA, 3, f, e, g) ONE(n, TWO, 3, f, e, g)
+#define ON_NORMALS(n, f, e, g) ON_LINEAR_NORMALS(n, f, e, g) ONE(n, FORWARD, 3, f, e, g) ONE(n, ORTHO_SWEEP, 3, f, e, g)
+#define ON_LINEAR(n, f, e, g) ON_LINEAR_NORMALS(n, f, e, g) ONE(n, SINKING, 3, f, e, g) ONE(n, ORTHO, 3, f, e, g)
+#define ON_DEVICE(n, f, e, g) ONE(n, FORWARD, 3, f, e, g) ONE(n, REVERSED, 3, f, e, g) ONE(n, ORTHO_SWEEP, 3, f, e, g)
+#define EVERYWHERE(n, f, e, g) ON_LINEAR(n, f, e, g) ON_DEVICE(n, f, e, g)
 
 #define ROW(id, texture, value, on, flags) on(#id, fill_##id, NULL, flags)
 

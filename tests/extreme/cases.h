@@ -15,6 +15,7 @@ typedef struct extreme_frame {
 enum {
     EXTREME_LEGAL = 1,  /* all of its inputs have a meaning by hbil.h's manual: backends must agree */
     EXTREME_LONG = 2,   /* minutes on a CPU: run with HBIL_LONG=1 */
+    EXTREME_TIES = 8,   /* depths so far apart that cosines round to 1: see test_extreme.c */
     EXTREME_REFUSED = 4 /* hbil_pack_constants must refuse its frames, with a diagnostic */
 };
 
