@@ -57,11 +57,11 @@
  *              it rendered with. A wrong sign shows as a floor that is nearly black.
  *   matrices   column-major floats, column vectors: clip = projection * view * world. m[4 * column + row].
  *   projection perspective (clip w = -z or +z of view space) or orthographic; off-centre, jittered and left-handed are read
- *              from the matrix. view x alone must make clip x, and y clip y.
+ *              from the matrix. view x alone must make clip x, and y clip y. The screen sees 1e-4 to 179.98 degrees, or 1e-6 to 1e9 m.
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, zero, negative (perspective) or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-15 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
@@ -3170,7 +3170,12 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "    imageStore(u_near, p, vec4(near, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
-"    hbil_store_sh_at(p, s[HBIL_AT_SH], s[HBIL_AT_SH + 1], s[HBIL_AT_SH + 2], s[HBIL_AT_SH + 3]);\n"
+"    vec4 a = s[HBIL_AT_SH + 1];\n"
+"    vec4 b = s[HBIL_AT_SH + 2];\n"
+"    vec4 c = s[HBIL_AT_SH + 3];\n"
+"    // no light comes from less than one direction, but the ratio of few slices may say so\n"
+"    vec4 fit = min(1.7320508 * s[HBIL_AT_SH] * inversesqrt(max(a * a + b * b + c * c, vec4(1e-30))), vec4(1.0));\n"
+"    hbil_store_sh_at(p, s[HBIL_AT_SH], fit * a, fit * b, fit * c);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
 "    vec3 far = s[HBIL_AT_FAR].rgb;\n"
@@ -6180,6 +6185,17 @@ static int hbil__all_finite(const float *m, int n)
     return 1;
 }
 
+/* Half the screen and its middle, at depth 1 or in m: so far off that squares in the shaders stay finite. */
+static int hbil__rays_fit(const double ray[4], double least, double most)
+{
+    int i;
+    for (i = 0; i < 4; ++i) {
+        double size = ray[i] < 0 ? -ray[i] : ray[i];
+        if (size > most || (i < 2 && size < least)) return 0;
+    }
+    return 1;
+}
+
 /* Rows 0 and 1 of a projection: view x alone makes clip x, view y alone clip y, z may shift both. To `ray`: view xy at depth 1 or
  * at any depth = ndc * xy + zw. 1, or 0: not such a matrix, *why and *fix say more. */
 static int hbil__read_rays(const float *m, int perspective, double ray[4], double *view_z, const char **why, const char **fix)
@@ -6203,7 +6219,9 @@ static int hbil__read_rays(const float *m, int perspective, double ray[4], doubl
     ray[1] = w / (double)m[5];
     ray[2] = (perspective ? -z * (double)m[8] : -(double)m[12]) / (double)m[0];
     ray[3] = (perspective ? -z * (double)m[9] : -(double)m[13]) / (double)m[5];
-    return 1;
+    *why = perspective ? "projection: sees less than 1e-4 or more than 179.98 degrees" : "projection: sees less than 1e-6 or more than 1e9 m";
+    *fix = perspective ? "; check m[0], m[5], m[8], m[9]" : "; check m[0], m[5], m[12], m[13]";
+    return hbil__rays_fit(ray, 1e-6, perspective ? 1e4 : 1e9);
 }
 
 /* From ndc to pixels of the grid: ndc = 2 pixel / size - 1. */
@@ -6242,12 +6260,15 @@ static int hbil__read_depth(const hbil_config *c, const float *m, hbil_diags *di
         return hbil__frame_fault(diags, "projection: its far end is behind the eye", "; check the options clip and depth_direction");
     if (perspective && c->depth_far == HBIL_DEPTH_FAR_INFINITE && far_v > 1e-5 * near_v)
         return hbil__frame_fault(diags, "projection: its far plane is finite", "; set depth_far=finite");
+    if (!(near_v <= 1e15 && near_v >= -1e15 && far_v <= 1e15 && far_v >= -1e15))
+        return hbil__frame_fault(diags, perspective ? "projection: its near end is below 1e-15 m" : "projection: its ends are beyond 1e15 m",
+                                 "; fill the z row");
     out->depth_to_view[0] = near_v - far_v;
     out->depth_to_view[1] = far_v > 0 || !perspective ? far_v : 0.0;
     return 1;
 }
 
-/* A rigid world to view matrix? */
+/* A rigid world to view matrix, of an eye within 1e15 m? */
 static int hbil__is_rigid(const float *m)
 {
     int i, j, k;
@@ -6256,8 +6277,10 @@ static int hbil__is_rigid(const float *m)
             double dot = 0;
             for (k = 0; k < 3; ++k) dot += (double)m[k * 4 + i] * (double)m[k * 4 + j];
             if (i == j) dot -= 1;
-            if (dot > 1e-3 || dot < -1e-3) return 0;
+            if (!(dot <= 1e-3 && dot >= -1e-3)) return 0;
         }
+    for (i = 12; i < 15; ++i)
+        if (!(m[i] <= 1e15f && m[i] >= -1e15f)) return 0; /* beyond any surface */
     return 1;
 }
 
@@ -6288,9 +6311,9 @@ static int hbil__read_last(const hbil_config *c, const hbil_frame *f, uint32_t w
     if (!hbil__read_rays(projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, out->last_to_ray, &view_z, &why, &fix))
         return hbil__frame_fault(diags, "last_projection: not a matrix as projection is", "; fill it, or set reset=1 in the first frame");
     if (!hbil__all_finite(f->view, 16) || !hbil__is_rigid(f->view))
-        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+        return hbil__frame_fault(diags, "view: not a rotation and translation of at most 1e15 m", "; remove scale and shear; is it column-major?");
     if (!hbil__all_finite(view, 16) || !hbil__is_rigid(view))
-        return hbil__frame_fault(diags, "last_view: not a rotation and translation", "; fill it, or set reset=1 in the first frame");
+        return hbil__frame_fault(diags, "last_view: not a rotation and translation of at most 1e15 m", "; fill it, or set reset=1 in the first frame");
     hbil__rays_of_pixels(out->last_to_ray, lw, lh, c->downscale);
     hbil__relate(f->view, view, out->view_z, out->last_from_view);
     hbil__relate(view, f->view, out->view_z, out->view_from_last);
@@ -6322,7 +6345,7 @@ static int hbil__pack_rotation(const hbil_frame *f, double view_z, float out[12]
     int i;
     if (!hbil__all_finite(f->view, 16)) return hbil__frame_fault(diags, "view: holds NaN or infinity", "; fill all 16 numbers");
     if (!hbil__is_rigid(f->view))
-        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+        return hbil__frame_fault(diags, "view: not a rotation and translation of at most 1e15 m", "; remove scale and shear; is it column-major?");
     for (i = 0; i < 3; ++i) {
         out[i * 4 + 0] = f->view[i * 4 + 0];
         out[i * 4 + 1] = f->view[i * 4 + 1];
