@@ -118,10 +118,10 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
 #endif
 #if HBIL_BENT
     vec3 bent = s[HBIL_AT_BENT].xyz;
-    bent *= min(inversesqrt(max(dot(bent, bent), 1e-12)), 1.0); // that of one slice may be longer than 1
 #if !HBIL_AO_EXPONENT_1
     bent *= lift;
 #endif
+    bent *= min(inversesqrt(max(dot(bent, bent), 1e-12)), 1.0); // one slice or a lift may take it beyond 1
     imageStore(u_bent, p, vec4(bent, 1.0));
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO

@@ -1,9 +1,10 @@
-/* devices.c - the devices' table: Vulkan and GL by examples/frame's runner. */
+/* devices.c - the devices' table: Vulkan and GL by examples/frame's runner, the CPU by tests/twin. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "devices.h"
 #include "../../examples/frame/runner.h"
+#include "../twin/twin.h"
 
 /* How a kind of device is opened and run; `name` goes to open. */
 typedef struct device_kind {
@@ -24,10 +25,28 @@ static int run_runner(void *it, const hbil_plan *plan, const hbil_frame *frame, 
     return runner_run((runner *)it, plan, frame, inputs, outputs, 1, NULL, error, size);
 }
 
+/* min and max of NaN give NaN: the worst that GLSL allows. */
+static void *open_twin(const char *name, char *error, size_t size)
+{
+    twin *t = twin_open(TWIN_FLOAT, TWIN_STICKY);
+    if (!t) frame_error(error, size, "%s: out of memory", name);
+    return t;
+}
+static void close_twin(void *it) { twin_close((twin *)it); }
+static int text_twin(void *it, const char *pass, const char *text) { return twin_text((twin *)it, pass, text); }
+static int run_twin(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size)
+{
+    if (!twin_run((twin *)it, plan, frame, inputs, outputs, error, size)) return 0;
+    if (twin_faultless((twin *)it, error, size)) return 1;
+    twin_forgive((twin *)it);
+    return 0;
+}
+
 static const device_kind kinds[] = {
     { "vulkan", "vulkan", open_runner, close_runner, run_runner, text_runner },
     { "gl", "gl", open_runner, close_runner, run_runner, text_runner },
     { "gles", "gles", open_runner, close_runner, run_runner, text_runner },
+    { "twin", "vulkan", open_twin, close_twin, run_twin, text_twin },
 };
 
 device *device_open(const char *name, char *error, size_t error_size)
@@ -44,7 +63,7 @@ device *device_open(const char *name, char *error, size_t error_size)
         free(d);
         return NULL;
     }
-    frame_error(error, error_size, "%s: no such device; vulkan, gl or gles", name);
+    frame_error(error, error_size, "%s: no such device; vulkan, gl, gles or twin", name);
     return NULL;
 }
 

@@ -91,7 +91,8 @@ static void environment(hbil_frame *f)
 /* What raw depth says "sky". */
 static float clear_value(const hbil_config *k)
 {
-    return k->depth == HBIL_DEPTH_LINEAR ? 0.0f : k->depth_direction == HBIL_DEPTH_DIRECTION_REVERSED ? 0.0f : 1.0f;
+    if (k->depth == HBIL_DEPTH_LINEAR) return k->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? 1e30f : 0.0f;
+    return k->depth_direction == HBIL_DEPTH_DIRECTION_REVERSED ? 0.0f : 1.0f;
 }
 
 void frames_begin(const hbil_plan *plan, extreme_frame *out, const camera *c, int index)
@@ -133,6 +134,15 @@ static double raw_depth(const hbil_config *k, const hbil_frame *f, double z)
     return (ndc - low) / (1 - low);
 }
 
+/* A vector to its place on the octahedral map. */
+static void unfold(float n[3])
+{
+    const float l = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]), x = n[0] / l, y = n[1] / l;
+    n[0] = n[2] >= 0 ? x : (1 - fabsf(y)) * (x < 0 ? -1.0f : 1.0f);
+    n[1] = n[2] >= 0 ? y : (1 - fabsf(x)) * (y < 0 ? -1.0f : 1.0f);
+    n[2] = 0;
+}
+
 void frames_put(const hbil_plan *plan, extreme_frame *out, int x, int y, double z, const double n[3])
 {
     image *depth = frames_input(plan, out, "depth"), *normal = frames_input(plan, out, "normal");
@@ -146,6 +156,7 @@ void frames_put(const hbil_plan *plan, extreme_frame *out, int x, int y, double 
             for (k = 0, v = 0; k < 3; ++k) v += (double)out->frame.view[4 * i + k] * n[k];
         normal->data[3 * p + (size_t)i] = (float)v;
     }
+    if (plan->config.normal_encoding == HBIL_NORMAL_ENCODING_OCTAHEDRAL) unfold(&normal->data[3 * p]);
 }
 
 void frames_ray(const hbil_plan *plan, const hbil_frame *f, double x, double y, double ray[2])

@@ -207,7 +207,7 @@ int main(int argc, char **argv)
     char error[512];
     int i;
     long_too = getenv("HBIL_LONG") && strcmp(getenv("HBIL_LONG"), "1") == 0;
-    if (argc < 2 || argc > DEVICES_MAX + 1) return fprintf(stderr, "test_extreme DEVICE...    vulkan, gl, gles\n"), 2;
+    if (argc < 2 || argc > DEVICES_MAX + 1) return fprintf(stderr, "test_extreme DEVICE...    vulkan, gl, gles, twin; HBIL_EXTREME=part of a name: only such cases\n"), 2;
     for (i = 1; i < argc; ++i) {
         devices[device_count] = device_open(argv[i], error, sizeof error);
         if (!devices[device_count]) return fprintf(stderr, "%s: %s\n", argv[i], error), 77;
