@@ -57,11 +57,11 @@
  *              it rendered with. A wrong sign shows as a floor that is nearly black.
  *   matrices   column-major floats, column vectors: clip = projection * view * world. m[4 * column + row].
  *   projection perspective (clip w = -z or +z of view space) or orthographic; off-centre, jittered and left-handed are read
- *              from the matrix. view x alone must make clip x, and y clip y.
+ *              from the matrix. view x alone must make clip x, and y clip y. The screen sees 1e-4 to 179.98 degrees, or 1e-6 to 1e9 m.
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, zero, negative (perspective) or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-9 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
@@ -1624,8 +1624,9 @@ static const char hbil__glsl_common_hbil_load_normal[] =
 "    return hbil_decode_normal(texelFetch(u_view_normal, p, 0).r);\n"
 "}\n";
 static const char hbil__glsl_common_hbil_direction[] =
-"// Unit vector along v; `other` where v is nothing.\n"
+"// Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.\n"
 "vec3 hbil_direction(vec3 v, vec3 other) {\n"
+"    v += 2e-5 * other;\n"
 "    float l2 = dot(v, v);\n"
 "    return l2 > 1e-12 ? v * inversesqrt(l2) : other;\n"
 "}\n";
@@ -2852,7 +2853,7 @@ static const char hbil__glsl_bitmask_hbil_far_arc[] =
 "// Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;\n"
 "// bent: their cosine-weighted directions in the space of the passes; r: the receiver.\n"
 "vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {\n"
-"    vec3 d = hbil_to_world(normalize(bent));\n"
+"    vec3 d = hbil_to_world(hbil_direction(bent / max(energy, 1e-20), r.n));\n"
 "#if HBIL_ENVIRONMENT_CUBE\n"
 "    return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);\n"
 "#elif HBIL_ENVIRONMENT_HOOK\n"
@@ -3151,10 +3152,11 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "#if !HBIL_AO_EXPONENT_1\n"
 "    bent *= lift;\n"
 "#endif\n"
+"    bent *= min(inversesqrt(max(dot(bent, bent), 1e-12)), 1.0); // one slice or a lift may take it beyond 1\n"
 "    imageStore(u_bent, p, vec4(bent, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));\n"
+"    imageStore(u_uniform_ao, p, vec4(clamp(s[HBIL_AT_FAR].a, 0.0, 1.0)));\n"
 "#endif\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near = s[0].rgb;\n"
@@ -3164,7 +3166,12 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "    imageStore(u_near, p, vec4(near, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
-"    hbil_store_sh_at(p, s[HBIL_AT_SH], s[HBIL_AT_SH + 1], s[HBIL_AT_SH + 2], s[HBIL_AT_SH + 3]);\n"
+"    vec4 a = s[HBIL_AT_SH + 1];\n"
+"    vec4 b = s[HBIL_AT_SH + 2];\n"
+"    vec4 c = s[HBIL_AT_SH + 3];\n"
+"    // no light comes from less than one direction, but the ratio of few slices may say so\n"
+"    vec4 fit = min(1.7320508 * s[HBIL_AT_SH] * inversesqrt(max(a * a + b * b + c * c, vec4(1e-30))), vec4(1.0));\n"
+"    hbil_store_sh_at(p, s[HBIL_AT_SH], fit * a, fit * b, fit * c);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
 "    vec3 far = s[HBIL_AT_FAR].rgb;\n"
@@ -3335,9 +3342,11 @@ static const char hbil__glsl_last_hbil_land[] =
 "    float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);\n"
 "    if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too\n"
 "    vec3 landing = hbil_landing(q, before);\n"
-"    p = ivec2(floor(landing.xy));\n"
+"    // before it is made an int: none holds NaN or what is far away\n"
+"    if (!(all(greaterThanEqual(landing.xy, vec2(0.0))) && all(lessThan(landing.xy, vec2(HBIL_SIZE))))) return false;\n"
+"    p = ivec2(landing.xy);\n"
 "    z = landing.z;\n"
-"    return all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, HBIL_SIZE));\n"
+"    return true;\n"
 "}\n";
 static const char hbil__glsl_last_hbil_depth_key[] =
 "// Order of view depths as whole numbers.\n"
@@ -3476,8 +3485,10 @@ static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "    return texelFetch(u_depth, p, 0).r;\n"
 "#endif\n"
 "}\n";
-static const char hbil__glsl_prepare_HBIL_NEAREST[] =
-"const float HBIL_NEAREST = 1e-9; // least view depth of a surface, perspective: below, squares of lengths underflow. m\n";
+static const char hbil__glsl_prepare_HBIL_LEAST_DEPTH[] =
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"const float HBIL_LEAST_DEPTH = 1e-9; // nearer is no surface: squares of lengths would underflow, nearness overflow. m\n"
+"#endif\n";
 static const char hbil__glsl_prepare_hbil_view_depth[] =
 "// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any\n"
 "// arithmetic could round it, and is written so that NaN is sky too.\n"
@@ -3502,7 +3513,7 @@ static const char hbil__glsl_prepare_hbil_view_depth[] =
 "#endif\n"
 "#endif\n"
 "#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    return surface && z >= HBIL_NEAREST && z < HBIL_SKY ? z : HBIL_SKY;\n"
+"    return surface && z >= HBIL_LEAST_DEPTH && z < HBIL_SKY ? z : HBIL_SKY;\n"
 "#else\n"
 "    return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;\n"
 "#endif\n"
@@ -4194,7 +4205,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);\n"
 "#if HBIL_RATIO && !HBIL_DEFER\n"
 "    // what few slices get wrong about an open sky cancels. max: rounding must not make light\n"
-"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);\n"
+"    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-30);\n"
 "#elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))\n"
 "    float scale = hbil_mean(sum);\n"
 "#endif\n"
@@ -4222,7 +4233,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "    s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);\n"
 "#endif\n"
 "#if HBIL_FAR_BITS\n"
-"    s[HBIL_AT_FAR].rgb = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);\n"
+"    s[HBIL_AT_FAR].rgb = HBIL_FAR_INTENSITY * hbil_finite(scale * sum.far);\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_SH\n"
 "    hbil_store_sh(sum, scale, s);\n"
@@ -4480,7 +4491,7 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    vec3 a = 2.0404 * albedo - 0.3324;\n"
 "    vec3 b = -4.7951 * albedo + 0.6417;\n"
 "    vec3 c = 2.7552 * albedo + 0.6903;\n"
-"    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);\n"
+"    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit passes 1 by 1e-4\n"
 "#else\n"
 "    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
 "#endif\n"
@@ -4775,7 +4786,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_has_pushed", "last", hbil__glsl_last_hbil_has_pushed },
     { "hbil_push", "last", hbil__glsl_last_hbil_push },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
-    { "HBIL_NEAREST", "prepare", hbil__glsl_prepare_HBIL_NEAREST },
+    { "HBIL_LEAST_DEPTH", "prepare", hbil__glsl_prepare_HBIL_LEAST_DEPTH },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
     { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
     { "hbil_load_raw_normal", "prepare", hbil__glsl_prepare_hbil_load_raw_normal },
@@ -6174,6 +6185,17 @@ static int hbil__all_finite(const float *m, int n)
     return 1;
 }
 
+/* Half the screen and its middle, at depth 1 or in m: so far off that squares in the shaders stay finite. */
+static int hbil__rays_fit(const double ray[4], double least, double most)
+{
+    int i;
+    for (i = 0; i < 4; ++i) {
+        double size = ray[i] < 0 ? -ray[i] : ray[i];
+        if (size > most || (i < 2 && size < least)) return 0;
+    }
+    return 1;
+}
+
 /* Rows 0 and 1 of a projection: view x alone makes clip x, view y alone clip y, z may shift both. To `ray`: view xy at depth 1 or
  * at any depth = ndc * xy + zw. 1, or 0: not such a matrix, *why and *fix say more. */
 static int hbil__read_rays(const float *m, int perspective, double ray[4], double *view_z, const char **why, const char **fix)
@@ -6197,7 +6219,9 @@ static int hbil__read_rays(const float *m, int perspective, double ray[4], doubl
     ray[1] = w / (double)m[5];
     ray[2] = (perspective ? -z * (double)m[8] : -(double)m[12]) / (double)m[0];
     ray[3] = (perspective ? -z * (double)m[9] : -(double)m[13]) / (double)m[5];
-    return 1;
+    *why = perspective ? "projection: sees less than 1e-4 or more than 179.98 degrees" : "projection: sees less than 1e-6 or more than 1e9 m";
+    *fix = perspective ? "; check m[0], m[5], m[8], m[9]" : "; check m[0], m[5], m[12], m[13]";
+    return hbil__rays_fit(ray, 1e-6, perspective ? 1e4 : 1e9);
 }
 
 /* From ndc to pixels of the grid: ndc = 2 pixel / size - 1. */
@@ -6236,12 +6260,15 @@ static int hbil__read_depth(const hbil_config *c, const float *m, hbil_diags *di
         return hbil__frame_fault(diags, "projection: its far end is behind the eye", "; check the options clip and depth_direction");
     if (perspective && c->depth_far == HBIL_DEPTH_FAR_INFINITE && far_v > 1e-5 * near_v)
         return hbil__frame_fault(diags, "projection: its far plane is finite", "; set depth_far=finite");
+    if (!(near_v <= (perspective ? 1e9 : 1e15) && near_v >= -1e15 && far_v <= 1e15 && far_v >= -1e15))
+        return hbil__frame_fault(diags, perspective ? "projection: its near end is below 1e-9 m" : "projection: its ends are beyond 1e15 m",
+                                 "; fill the z row");
     out->depth_to_view[0] = near_v - far_v;
     out->depth_to_view[1] = far_v > 0 || !perspective ? far_v : 0.0;
     return 1;
 }
 
-/* A rigid world to view matrix? */
+/* A rigid world to view matrix, of an eye within 1e15 m? */
 static int hbil__is_rigid(const float *m)
 {
     int i, j, k;
@@ -6250,8 +6277,10 @@ static int hbil__is_rigid(const float *m)
             double dot = 0;
             for (k = 0; k < 3; ++k) dot += (double)m[k * 4 + i] * (double)m[k * 4 + j];
             if (i == j) dot -= 1;
-            if (dot > 1e-3 || dot < -1e-3) return 0;
+            if (!(dot <= 1e-3 && dot >= -1e-3)) return 0;
         }
+    for (i = 12; i < 15; ++i)
+        if (!(m[i] <= 1e15f && m[i] >= -1e15f)) return 0; /* beyond any surface */
     return 1;
 }
 
@@ -6282,9 +6311,9 @@ static int hbil__read_last(const hbil_config *c, const hbil_frame *f, uint32_t w
     if (!hbil__read_rays(projection, c->projection == HBIL_PROJECTION_PERSPECTIVE, out->last_to_ray, &view_z, &why, &fix))
         return hbil__frame_fault(diags, "last_projection: not a matrix as projection is", "; fill it, or set reset=1 in the first frame");
     if (!hbil__all_finite(f->view, 16) || !hbil__is_rigid(f->view))
-        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+        return hbil__frame_fault(diags, "view: not a rotation and translation of at most 1e15 m", "; remove scale and shear; is it column-major?");
     if (!hbil__all_finite(view, 16) || !hbil__is_rigid(view))
-        return hbil__frame_fault(diags, "last_view: not a rotation and translation", "; fill it, or set reset=1 in the first frame");
+        return hbil__frame_fault(diags, "last_view: not a rotation and translation of at most 1e15 m", "; fill it, or set reset=1 in the first frame");
     hbil__rays_of_pixels(out->last_to_ray, lw, lh, c->downscale);
     hbil__relate(f->view, view, out->view_z, out->last_from_view);
     hbil__relate(view, f->view, out->view_z, out->view_from_last);
@@ -6316,7 +6345,7 @@ static int hbil__pack_rotation(const hbil_frame *f, double view_z, float out[12]
     int i;
     if (!hbil__all_finite(f->view, 16)) return hbil__frame_fault(diags, "view: holds NaN or infinity", "; fill all 16 numbers");
     if (!hbil__is_rigid(f->view))
-        return hbil__frame_fault(diags, "view: not a rotation and translation", "; remove scale and shear; is it column-major?");
+        return hbil__frame_fault(diags, "view: not a rotation and translation of at most 1e15 m", "; remove scale and shear; is it column-major?");
     for (i = 0; i < 3; ++i) {
         out[i * 4 + 0] = f->view[i * 4 + 0];
         out[i * 4 + 1] = f->view[i * 4 + 1];

@@ -273,7 +273,7 @@ void hbil_fill_swept(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, int
 // Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;
 // bent: their cosine-weighted directions in the space of the passes; r: the receiver.
 vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {
-    vec3 d = hbil_to_world(normalize(bent));
+    vec3 d = hbil_to_world(hbil_direction(bent / max(energy, 1e-20), r.n));
 #if HBIL_ENVIRONMENT_CUBE
     return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);
 #elif HBIL_ENVIRONMENT_HOOK

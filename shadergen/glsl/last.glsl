@@ -55,9 +55,11 @@ bool hbil_land(ivec2 q, out ivec2 p, out float z) {
     float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);
     if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too
     vec3 landing = hbil_landing(q, before);
-    p = ivec2(floor(landing.xy));
+    // before it is made an int: none holds NaN or what is far away
+    if (!(all(greaterThanEqual(landing.xy, vec2(0.0))) && all(lessThan(landing.xy, vec2(HBIL_SIZE))))) return false;
+    p = ivec2(landing.xy);
     z = landing.z;
-    return all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, HBIL_SIZE));
+    return true;
 }
 
 //@ chunk hbil_depth_key

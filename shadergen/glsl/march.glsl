@@ -166,7 +166,7 @@ void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
     for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);
 #if HBIL_RATIO && !HBIL_DEFER
     // what few slices get wrong about an open sky cancels. max: rounding must not make light
-    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-20);
+    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-30);
 #elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))
     float scale = hbil_mean(sum);
 #endif
@@ -194,7 +194,7 @@ void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
     s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);
 #endif
 #if HBIL_FAR_BITS
-    s[HBIL_AT_FAR].rgb = scale * HBIL_FAR_INTENSITY * hbil_finite(sum.far);
+    s[HBIL_AT_FAR].rgb = HBIL_FAR_INTENSITY * hbil_finite(scale * sum.far);
 #endif
 #if HBIL_OUTPUTS_SH
     hbil_store_sh(sum, scale, s);

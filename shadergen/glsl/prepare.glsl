@@ -9,8 +9,10 @@ float hbil_load_raw_depth(ivec2 p) {
 #endif
 }
 
-//@ chunk HBIL_NEAREST
-const float HBIL_NEAREST = 1e-9; // least view depth of a surface, perspective: below, squares of lengths underflow. m
+//@ chunk HBIL_LEAST_DEPTH
+#if HBIL_PROJECTION_PERSPECTIVE
+const float HBIL_LEAST_DEPTH = 1e-9; // nearer is no surface: squares of lengths would underflow, nearness overflow. m
+#endif
 
 //@ chunk hbil_view_depth
 // View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any
@@ -36,7 +38,7 @@ float hbil_view_depth(ivec2 p) {
 #endif
 #endif
 #if HBIL_PROJECTION_PERSPECTIVE
-    return surface && z >= HBIL_NEAREST && z < HBIL_SKY ? z : HBIL_SKY;
+    return surface && z >= HBIL_LEAST_DEPTH && z < HBIL_SKY ? z : HBIL_SKY;
 #else
     return surface && abs(z) < HBIL_SKY ? z : HBIL_SKY;
 #endif

@@ -121,10 +121,11 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
 #if !HBIL_AO_EXPONENT_1
     bent *= lift;
 #endif
+    bent *= min(inversesqrt(max(dot(bent, bent), 1e-12)), 1.0); // one slice or a lift may take it beyond 1
     imageStore(u_bent, p, vec4(bent, 1.0));
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO
-    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));
+    imageStore(u_uniform_ao, p, vec4(clamp(s[HBIL_AT_FAR].a, 0.0, 1.0)));
 #endif
 #if HBIL_NEAR_LIGHT
     vec3 near = s[0].rgb;
@@ -134,7 +135,12 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     imageStore(u_near, p, vec4(near, 1.0));
 #endif
 #if HBIL_OUTPUTS_SH
-    hbil_store_sh_at(p, s[HBIL_AT_SH], s[HBIL_AT_SH + 1], s[HBIL_AT_SH + 2], s[HBIL_AT_SH + 3]);
+    vec4 a = s[HBIL_AT_SH + 1];
+    vec4 b = s[HBIL_AT_SH + 2];
+    vec4 c = s[HBIL_AT_SH + 3];
+    // no light comes from less than one direction, but the ratio of few slices may say so
+    vec4 fit = min(1.7320508 * s[HBIL_AT_SH] * inversesqrt(max(a * a + b * b + c * c, vec4(1e-30))), vec4(1.0));
+    hbil_store_sh_at(p, s[HBIL_AT_SH], fit * a, fit * b, fit * c);
 #endif
 #if HBIL_FAR_BITS
     vec3 far = s[HBIL_AT_FAR].rgb;
