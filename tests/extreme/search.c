@@ -194,7 +194,7 @@ static int run_variant(const options *o, subject *s, long long variant, totals *
     if (!random_config(&r, subject_target(s), &config) || hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return ++t->refused, 1;
     snprintf(where, sizeof where, "--seed %llu --first %lld --variants 1 --backend %s\n", (unsigned long long)o->seed, variant, subject_name(s));
     left = pixels_for(o, &config);
-    for (tries = 0; left > 0 && tries < 64; ++tries) {
+    for (tries = 0; left > 0 && tries < 24; ++tries) {
         test_case c;
         verdict v;
         run_result result;

@@ -146,25 +146,25 @@ static int reset_options(shrinker *s, int first, int count)
     return take(s, &next);
 }
 
-/* A uniform's values as literals. */
-static int bake(shrinker *s)
+/* The values of uniforms as literals. */
+static int bake(shrinker *s, uint32_t dynamic)
 {
     test_case next;
     int32_t i;
-    int frame, any = 0;
+    int frame;
+    if (!(s->c->config.dynamic & dynamic) || !case_copy(&next, s->c)) return 0;
     for (i = 0; i < hbil_option_count(); ++i) {
         const hbil_option *o = hbil_option_at(i);
         uint32_t v;
-        if (!o->dynamic || !(s->c->config.dynamic & o->dynamic)) continue;
-        if (!case_copy(&next, s->c)) return any;
+        if (!(next.config.dynamic & dynamic & o->dynamic)) continue;
         memcpy(&v, (char *)&next.live[next.frames - 1] + o->offset, 4);
         if (v) memcpy((char *)&next.config + o->offset, &v, 4);
-        next.config.dynamic &= ~o->dynamic;
         for (frame = 0; frame < next.frames; ++frame) memset((char *)&next.live[frame] + o->offset, 0, 4);
-        if (hbil_config_resolve(&next.config, &next.config, NULL) != HBIL_OK) case_free(&next);
-        else any |= take(s, &next);
     }
-    return any;
+    next.config.dynamic &= ~dynamic;
+    if (hbil_config_resolve(&next.config, &next.config, NULL) == HBIL_OK) return take(s, &next);
+    case_free(&next);
+    return 0;
 }
 
 /* Numbers of loops: as few as possible. */
@@ -189,7 +189,8 @@ static int least(shrinker *s, int32_t option)
 static int reset_config(shrinker *s)
 {
     const int n = hbil_option_count();
-    int size, first, any = bake(s);
+    int size, first, bit, any = bake(s, ~0u);
+    for (bit = 0; bit < 32; ++bit) any |= bake(s, 1u << bit);
     for (size = n; size >= 1; size = size > 1 ? (size + 1) / 2 : 0)
         for (first = 0; first < n; first += size) any |= reset_options(s, first, first + size > n ? n - first : size);
     any |= least(s, hbil_option_find("slices", 6, NULL));
@@ -261,10 +262,17 @@ static int plain_inputs(shrinker *s, int whole)
     return any;
 }
 
-/* Inputs that the plan does not read any more, or that are as plain as the ones that stand in for them. */
+/* Inputs that the plan does not read any more, or for which plain ones do as well. */
 static void drop_unread(shrinker *s)
 {
+    hbil_plan plan;
     int i, k;
+    if (hbil_plan_build(&s->c->config, &plan, NULL) != HBIL_OK) return;
+    for (i = 0; i < s->c->frames; ++i)
+        for (k = CASE_DEPTH + 1; k < CASE_INPUTS; ++k) {
+            const int32_t t = hbil_plan_texture(&plan, case_inputs[k]);
+            if (t < 0 || plan.textures[t].life != HBIL_LIFE_INPUT) image_free(&s->c->input[i][k]);
+        }
     for (i = 0; i < s->c->frames; ++i)
         for (k = CASE_INPUTS - 1; k > CASE_DEPTH; --k) {
             test_case next;
@@ -283,6 +291,7 @@ int shrink(test_case *c, shrink_fails fails, void *user, double seconds)
     s.user = user;
     s.until = now() + seconds;
     s.tried = 0;
+    reset_options(&s, hbil_option_find("width", 5, NULL), 2); /* a baked size is another shader for each crop */
     for (round = 0; round < 8 && any; ++round) { /* what costs no new shaders first */
         any = drop_frames(&s);
         any |= crop_all(&s);
