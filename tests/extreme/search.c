@@ -174,11 +174,11 @@ static int seen(totals *t, const subject *s, const char *kind)
 
 /* ----------------------------------------------------------------------------------------------------------------- search */
 
-/* Samples cost more than pixels: at most 2e7 of them a config. */
+/* Samples cost more than pixels: at most 1e7 of them a config. */
 static long pixels_for(const options *o, const hbil_config *c)
 {
     const double samples = 2.0 * c->slices * (c->march == HBIL_MARCH_SWEEP ? 4 : c->steps) / (c->downscale * c->downscale);
-    const double most = c->dynamic & (HBIL_DYNAMIC_SLICES | HBIL_DYNAMIC_STEPS) ? 2e5 : 2e7 / samples;
+    const double most = c->dynamic & (HBIL_DYNAMIC_SLICES | HBIL_DYNAMIC_STEPS) ? 1e5 : 1e7 / samples;
     return most < (double)o->per_variant ? (long)most + 1 : o->per_variant;
 }
 
