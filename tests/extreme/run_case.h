@@ -4,7 +4,7 @@
 
 #include "random_frame.h"
 
-/* Something that executes plans: "vulkan", "gl", "gles". NULL: error[] says what is missing. */
+/* Something that executes plans: "vulkan", "gl", "gles", "twin". NULL: error[] says what is missing. */
 typedef struct subject subject;
 subject    *subject_open(const char *name, char *error, size_t error_size);
 void        subject_close(subject *s);
