@@ -153,7 +153,7 @@ float hbil_mean(hbil_sums sum) {
 // whole solid angle. Near radiance and visibility together are those of the open hemisphere.
 void hbil_store_sh(hbil_sums sum, float scale, inout vec4 s[HBIL_LAYERS]) {
     vec4 factor = vec4(vec3(HBIL_PI * HBIL_NEAR_INTENSITY), HBIL_PI);
-    scale = min(scale, 2.0 * hbil_mean(sum)); // a few slices of a grazing surface have next to no light of an open sky
+    scale = min(scale, 4.0 * hbil_mean(sum)); // a few slices of a grazing surface have next to no light of an open sky
     s[HBIL_AT_SH] = 0.282095 * hbil_mean(sum) * factor * sum.sh_0;
     s[HBIL_AT_SH + 1] = 0.488603 * scale * factor * sum.sh_y;
     s[HBIL_AT_SH + 2] = 0.488603 * scale * factor * HBIL_VIEW_Z * sum.sh_z;

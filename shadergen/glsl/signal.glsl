@@ -103,7 +103,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     s[HBIL_AT_FAR].rgb *= scale;
 #endif
 #if HBIL_OUTPUTS_SH
-    for (int i = 1; i < 4; ++i) s[HBIL_AT_SH + i] *= min(scale, 2.0);
+    for (int i = 1; i < 4; ++i) s[HBIL_AT_SH + i] *= min(scale, 4.0);
 #endif
 #endif
 #if HBIL_VISIBILITY
