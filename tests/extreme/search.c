@@ -56,6 +56,7 @@ typedef struct totals {
     size_t    room, distinct;
     char      kinds[KINDS_MAX][96];     /* device and kind of what was found */
     int       kind_count;
+    double    until;                    /* 0: no limit */
 } totals;
 
 static double now(void)
@@ -195,7 +196,7 @@ static int run_variant(const options *o, subject *s, long long variant, totals *
     if (!random_config(&r, subject_target(s), &config) || hbil_plan_build(&config, &plan, NULL) != HBIL_OK) return ++t->refused, 1;
     snprintf(where, sizeof where, "--seed %llu --first %lld --variants 1 --backend %s\n", (unsigned long long)o->seed, variant, subject_name(s));
     left = pixels_for(o, &config);
-    for (tries = 0; left > 0 && tries < 24; ++tries) {
+    for (tries = 0; left > 0 && tries < 24 && (t->until <= 0 || now() < t->until); ++tries) {
         test_case c;
         verdict v;
         run_result result;
@@ -223,6 +224,7 @@ static int search(const options *o, subject **subjects, int count)
     long long k;
     int ok = 1;
     memset(&t, 0, sizeof t);
+    t.until = o->seconds > 0 ? start + o->seconds : 0;
     for (k = o->first; ok && t.kind_count < o->failures; ++k) {
         if (o->seconds > 0 && now() - start >= o->seconds) break;
         if (o->pixels && t.pixels >= o->pixels) break;
