@@ -15,7 +15,7 @@ enum { DEVICES_MAX = 4, TESTS_MAX = 256 };
 typedef struct finding {
     const char *name;
     int         cases, faults;
-    char        first[600];
+    char        first[2400];
     double      sum;            /* of differences to the first device, per pixel */
     long        pixels, beyond; /* compared; farther than 2e-3 */
     char        worst[300];
@@ -98,7 +98,7 @@ static int frame_of(finding *f, const extreme_case *c, const hbil_plan plans[], 
 {
     image out[DEVICES_MAX][HBIL_MAX_TEXTURES];
     extreme_frame *x = (extreme_frame *)calloc(1, sizeof *x);
-    char why[400];
+    char why[2000];
     int d, i, ok = 1;
     if (!x) abort();
     memset(out, 0, sizeof out);
