@@ -85,7 +85,7 @@ static void poke(const hbil_plan *plan, int index, extreme_frame *out, const cha
     X(depth_zero, "depth", 0.0f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_one, "depth", 1.0f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_1e_4, "depth", 1e-4f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
-    X(depth_1e_15, "depth", 1e-15f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_1e_9, "depth", 1.1e-9f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
     X(depth_1e_30, "depth", 1e-30f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_least_normal, "depth", 1.2e-38f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_denormal, "depth", 1e-40f, EVERYWHERE, EXTREME_LEGAL) \

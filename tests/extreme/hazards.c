@@ -362,7 +362,7 @@ FILL(fill_reach_below_a_pixel)
 
 FILL(fill_reach_of_near_depths)
 {
-    static const float depths[] = { 1e-4f, 1e-9f, 1e-15f, 1e-14f };
+    static const float depths[] = { 1e-4f, 1e-7f, 1e-15f, 1e-8f };
     image *depth;
     int p;
     frames_room(plan, out, WIDTH, HEIGHT, index);
