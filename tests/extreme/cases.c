@@ -48,7 +48,7 @@
 #define D32_REVERSED "outputs=ao depth=device depth_direction=reversed depth_far=infinite"
 #define D32 "outputs=ao depth=device"
 #define R16F "outputs=ao pull=0.0008 bias=0.02"
-#define MANY      "outputs=ao slices=32 steps=64"
+#define MANY      "outputs=ao slices=32 steps=64 sampling=bilinear"
 #define MANY_ORTHO "outputs=ao slices=32 steps=64 projection=orthographic"
 #define ONE_SLICE "outputs=ao slices=1 steps=16 projection=orthographic"
 #define MIRROR    "outputs=ao noise=none slices=3"
