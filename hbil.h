@@ -1516,7 +1516,7 @@ static const struct { uint8_t access, age; const char *name; int named; } hbil__
     { 0, 0, "", 0 }, { HBIL_ACCESS_SAMPLE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 },
     { HBIL_ACCESS_SAMPLE, 1, "u_last_", 1 }, { HBIL_ACCESS_SAMPLE, 0, "u_from", 0 }, { HBIL_ACCESS_WRITE, 0, "u_to", 0 } };
 static const char *const hbil__role_names[] = { "", "sample", "write", "update", "last", "from", "to" };
-static const char *const hbil__access_names[] = { "", "sample", "write" };
+static const char *const hbil__access_names[] = { "", "sample", "write", "sample+write" };
 static const char *const hbil__life_names[] = { "", "input", "output", "transient", "history" };
 
 /* ======================================================================
@@ -5948,7 +5948,7 @@ static size_t hbil__token(const char **at)
     if (!*s) return 0;
     if (*s == '#') {
         for (n = 1; s[n] && s[n] != '\n'; ++n)
-            if (s[n] == '\\' && s[n + 1]) n += s[n + 1] == '\r' ? 2 : 1; /* the line goes on */
+            if (s[n] == '\\' && s[n + 1]) n += s[n + 1] == '\r' && s[n + 2] ? 2 : 1; /* the line goes on */
         return n;
     }
     for (n = 0; hbil__is_word(s[n]); ++n) { }
@@ -6511,7 +6511,7 @@ static int hbil__check_pass(const hbil_plan *p, uint32_t index, hbil_diags *diag
     for (b = 0; !*fault && b < pass->barrier_count; ++b) {
         const hbil_barrier *x = &pass->barriers[b];
         if (x->texture >= p->texture_count) fault = "a barrier has no texture";
-        else if (x->before < HBIL_ACCESS_SAMPLE || x->before > HBIL_ACCESS_WRITE || x->after < HBIL_ACCESS_SAMPLE || x->after > HBIL_ACCESS_WRITE)
+        else if (x->before < 1 || x->before > 3 || x->after < 1 || x->after > 3) /* both at once may be asked for */
             fault = "before or after of a barrier is no hbil_access";
     }
     return !*fault || hbil__plan_fault(diags, "pass", index, pass->name, sizeof pass->name, fault);

@@ -975,9 +975,10 @@ static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame
         gl->drawArrays(HBIL_GL__TRIANGLES, 0, 3);
         return;
     }
-    for (i = 0; i < pass->barrier_count; ++i)
-        bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
-                                                             : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    for (i = 0; i < pass->barrier_count; ++i) {
+        if (pass->barriers[i].after & HBIL_ACCESS_WRITE) bits |= HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT;
+        if (pass->barriers[i].after & HBIL_ACCESS_SAMPLE) bits |= HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    }
     if (bits) gl->memoryBarrier(bits);
     gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
 }
