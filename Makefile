@@ -5,12 +5,13 @@ JOBS     ?= $(shell nproc 2>/dev/null || echo 2)
 PACKAGES ?= sh packages.sh
 CMAKE    ?= cmake
 CTEST    ?= ctest
+FUZZ_SECONDS ?= 60
 
 # Ninja where it is, but never another generator than the one a build folder began with. Asked after the packages are in.
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches fuzz-long clean
+.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -23,6 +24,7 @@ help:
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make fuzz-long random configs on random frames, 100 million pixels on Vulkan and GL; hours; cases of failures in out/search; HBIL_SEED=N'
+	@echo 'make fuzz    libFuzzer on every input that comes from outside; FUZZ_SECONDS=N each ($(FUZZ_SECONDS)), FUZZ_TARGETS="config exr ..."'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -110,5 +112,12 @@ fuzz-long:
 	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-search --pixels $(or $(PIXELS),100000000) --failures 100 \
 	    --backend vulkan,vulkan,gl --out out/search
 
+# Its programs want clang, so a folder of their own. See tests/fuzz/README.md.
+fuzz:
+	@$(PACKAGES) test
+	$(CMAKE) -S . -B build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DHBIL_BUILD_TESTS=ON -DHBIL_FUZZ=ON
+	$(CMAKE) --build build-fuzz --parallel $(JOBS) --target fuzz
+	@sh tests/fuzz/run.sh $(CURDIR)/build-fuzz/bin $(CURDIR)/tests/fuzz/corpus $(CURDIR)/build-fuzz/fuzz-work $(FUZZ_SECONDS) $(FUZZ_TARGETS)
+
 clean:
-	rm -rf $(BUILD) build-debug build-sanitize out/demo
+	rm -rf $(BUILD) build-debug build-sanitize build-fuzz out/demo

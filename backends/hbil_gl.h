@@ -474,6 +474,9 @@ static hbil_gl_result hbil_gl__check_plan_texture(hbil_gl *ctx, const hbil_textu
     if (t->copies < 1 || t->copies > HBIL_GL_MAX_COPIES)
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has %u copies: raise HBIL_GL_MAX_COPIES (%d)", t->name,
                              (unsigned)t->copies, HBIL_GL_MAX_COPIES);
+    if (t->copies > 1 && t->life <= HBIL_LIFE_OUTPUT)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s is yours, of which there is one, and has %u copies: set 1", t->name,
+                             (unsigned)t->copies);
     if (t->dim < HBIL_DIM_2D || t->dim >= HBIL_GL__DIMS || t->layers < 1 || (t->life != HBIL_LIFE_INPUT && !flat) ||
         (t->dim == HBIL_DIM_2D && t->layers != 1))
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has dim %u and %u layers: only inputs may be other than 2D of one "
@@ -497,17 +500,20 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
     for (i = 0; i < plan->texture_count && result == HBIL_GL_OK; ++i)
         result = hbil_gl__check_plan_texture(ctx, &plan->textures[i]);
     if (result != HBIL_GL_OK) return result;
-    for (i = 0; i < plan->pass_count; ++i)
+    for (i = 0; i < plan->pass_count; ++i) {
+        int targets = 0;
         for (k = 0; k < plan->passes[i].binding_count; ++k) {
             const hbil_binding *b = &plan->passes[i].bindings[k];
             int write = b->access == HBIL_ACCESS_WRITE, units = write ? image_units : texture_units;
-            if (b->slot >= units)
+            if (write && ctx->draws) targets += plan->textures[b->texture].layers; /* each is attached on its own */
+            if (b->slot >= units || targets > HBIL_GL__TARGETS)
                 return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s uses %s %u, %d can be used here: ask for fewer outputs",
                                      plan->passes[i].name, write ? (ctx->draws ? "target" : "image unit") : "texture unit", (unsigned)b->slot, units);
             if (write && !ctx->draws) ctx->image_units |= 1u << b->slot;
             if (!write) ctx->texture_units[0] |= 1u << b->slot;
             if (!write) ctx->texture_units[plan->textures[b->texture].dim] |= 1u << b->slot;
         }
+    }
     if (plan->constants_slot >= (uint32_t)uniform_bindings)
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the uniform block is at binding %u, the context has %d",
                              (unsigned)plan->constants_slot, uniform_bindings);
@@ -969,9 +975,10 @@ static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame
         gl->drawArrays(HBIL_GL__TRIANGLES, 0, 3);
         return;
     }
-    for (i = 0; i < pass->barrier_count; ++i)
-        bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
-                                                             : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    for (i = 0; i < pass->barrier_count; ++i) {
+        if (pass->barriers[i].after & HBIL_ACCESS_WRITE) bits |= HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT;
+        if (pass->barriers[i].after & HBIL_ACCESS_SAMPLE) bits |= HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    }
     if (bits) gl->memoryBarrier(bits);
     gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
 }
@@ -1012,11 +1019,18 @@ unsigned hbil_gl_format(hbil_format format)
 hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
 {
     hbil_gl_result result;
+    hbil_diag diag;
+    hbil_diags diags;
     int i;
     if (!ctx) return HBIL_GL_E_ARG;
     memset(ctx, 0, sizeof *ctx);
     if (!info || !info->plan || !info->get_proc || !info->scratch)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_init: plan, get_proc and scratch have to be given");
+    memset(&diag, 0, sizeof diag);
+    diags.items = &diag;
+    diags.capacity = 1;
+    diags.count = 0;
+    if (hbil_plan_check(info->plan, &diags) != HBIL_OK) return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "%s", diag.text);
     ctx->plan = *info->plan;
     ctx->timings = info->timings;
     ctx->es = ctx->plan.config.target == HBIL_TARGET_GLES;

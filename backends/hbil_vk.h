@@ -274,8 +274,11 @@ static hbil_vk_result hbil_vk__check_info(hbil_vk *ctx, const hbil_vk_info *info
     if (info->instance == NULL || info->physical_device == NULL || info->device == NULL || info->get_proc == NULL)
         return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "set instance, physical_device, device and get_proc in hbil_vk_info");
     const hbil_plan *plan = info->plan;
-    if (plan == NULL || plan->pass_count == 0 || plan->pass_count > HBIL_MAX_PASSES || plan->texture_count > HBIL_MAX_TEXTURES)
+    if (plan == NULL || plan->pass_count == 0)
         return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "hbil_vk_info.plan is no built plan: call hbil_plan_build");
+    hbil_diag diag;
+    hbil_diags diags = { &diag, 1, 0 };
+    if (hbil_plan_check(plan, &diags) != HBIL_OK) return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "%s", diag.text);
     if ((int)plan->config.target != (int)HBIL_TARGET_VULKAN)
         return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "the plan was made for another target: build it with target=vulkan");
     if (info->input_layout != VK_IMAGE_LAYOUT_UNDEFINED && info->input_layout != VK_IMAGE_LAYOUT_GENERAL &&

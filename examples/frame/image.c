@@ -29,6 +29,9 @@
 #endif
 
 #define MAX_SIZE 16384 /* pixels a side */
+#ifndef EXR_BYTES_MAX
+#define EXR_BYTES_MAX 4294967296.0 /* of all images that are read of a file: an 8K frame with all passes and truths */
+#endif
 #define SHORT_NAME 31  /* bytes of a name, from which on the file must say that it has long ones */
 #define MAX_NAME 256   /* bytes of a channel name; the format itself allows 255 */
 
@@ -262,8 +265,9 @@ static int make_layers(const char *path, exr_context_t context, int width, int h
 {
     const exr_attr_chlist_t       *list = NULL;
     const exr_attr_chlist_entry_t *entry;
-    char name[MAX_NAME], absent[MAX_NAME];
-    int  i, c, found, parts = 1;
+    char   name[MAX_NAME], absent[MAX_NAME];
+    int    i, c, found, parts = 1;
+    double bytes = 0.0;
 
     exr_get_count(context, &parts);
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS)
@@ -280,8 +284,16 @@ static int make_layers(const char *path, exr_context_t context, int width, int h
             if (!entry && !absent[0]) memcpy(absent, name, sizeof absent);
         }
         if (absent[0] && (layers[i].required || found > 0)) return missing_channel(path, absent, list, parts, error, error_size);
-        if (!absent[0] && !image_make(&layers[i].pixels, width, height, c)) return no_memory(path, error, error_size);
+        if (absent[0]) continue;
+        layers[i].pixels.channels = c; /* to be made */
+        bytes += (double)sizeof(float) * width * height * c;
     }
+    if (bytes > EXR_BYTES_MAX) /* a header is a few bytes, what it announces is not */
+        return frame_error(error, error_size, "%s: its passes take %.0f MB in memory, %.0f MB is the most. Export a smaller frame, "
+                           "or fewer passes", path, bytes / 1048576.0, EXR_BYTES_MAX / 1048576.0);
+    for (i = 0; i < count; i++)
+        if (layers[i].pixels.channels > 0 && !image_make(&layers[i].pixels, width, height, layers[i].pixels.channels))
+            return no_memory(path, error, error_size);
     return 1;
 }
 
@@ -295,9 +307,11 @@ static exr_result_t decode_chunk(exr_context_t context, const exr_chunk_info_t *
                                  int count)
 {
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
-    exr_result_t          code = exr_decoding_initialize(context, 0, chunk, &decode);
+    exr_result_t          code;
     int c, index;
 
+    if ((double)chunk->unpacked_size > EXR_BYTES_MAX) return EXR_ERR_OUT_OF_MEMORY;
+    code = exr_decoding_initialize(context, 0, chunk, &decode);
     for (c = 0; code == EXR_ERR_SUCCESS && c < decode.channel_count; c++) {
         exr_coding_channel_info_t *channel = &decode.channels[c];
         const image_layer         *layer = find_layer(layers, count, channel->channel_name, &index);
