@@ -2211,6 +2211,15 @@ static const char hbil__glsl_slice_hbil_fade[] =
 "    return clamp((1.0 - distance / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_slice_hbil_normal_at[] =
+"// Normal of the surface that a sample sees. The middle of a coarser texel may lie beyond the screen.\n"
+"vec3 hbil_normal_at(hbil_visit at) {\n"
+"#if HBIL_MIPS\n"
+"    return hbil_load_normal(min(ivec2(at.pixel), HBIL_SIZE - 1));\n"
+"#else\n"
+"    return hbil_load_normal(ivec2(at.pixel));\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_load_radiance[] =
 "vec3 hbil_load_radiance(ivec2 p) {\n"
 "    vec3 radiance = hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
@@ -2244,7 +2253,7 @@ static const char hbil__glsl_slice_hbil_source[] =
 "// Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
 "// not what lights the receiver: the last light that was accepted stands in.\n"
 "vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {\n"
-"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));\n"
+"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_normal_at(at), along));\n"
 "    accepted = mix(accepted, hbil_radiance_at(at), t);\n"
 "    return accepted;\n"
 "}\n"
@@ -2369,7 +2378,7 @@ static const char hbil__glsl_horizon_hbil_add_arc[] =
 "#endif\n"
 "    vec2 arc = vec2(c, higher);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);\n"
+"    arc = hbil_lit(r, s, hbil_normal_at(at), arc);\n"
 "#endif\n"
 "#if HBIL_OCCLUDER_HEURISTIC\n"
 "    float before = hbil_weight(s.nx, r.ny, s.c0, c);\n"
@@ -2498,7 +2507,7 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
 "    light.mean = hbil_radiance_at(top);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));\n"
+"    vec2 arc = hbil_lit(r, s, hbil_normal_at(top), vec2(s.c0, c));\n"
 "    light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);\n"
 "#endif\n"
 "#endif\n"
@@ -2819,7 +2828,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "            vec3 radiance = hbil_radiance_at(at);\n"
 "#endif\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));\n"
+"            fresh &= hbil_lit_bits(r, f, hbil_normal_at(at));\n"
 "#endif\n"
 "            hbil_add_bits(r, f, fresh, radiance, sum);\n"
 "        }\n"
@@ -4480,7 +4489,7 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    vec3 a = 2.0404 * albedo - 0.3324;\n"
 "    vec3 b = -4.7951 * albedo + 0.6417;\n"
 "    vec3 c = 2.7552 * albedo + 0.6903;\n"
-"    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);\n"
+"    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit is 1.0001 at 1\n"
 "#else\n"
 "    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
 "#endif\n"
@@ -4685,6 +4694,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_FINE", "slice", hbil__glsl_slice_HBIL_FINE },
     { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
     { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
+    { "hbil_normal_at", "slice", hbil__glsl_slice_hbil_normal_at },
     { "hbil_load_radiance", "slice", hbil__glsl_slice_hbil_load_radiance },
     { "hbil_radiance_at", "slice", hbil__glsl_slice_hbil_radiance_at },
     { "HBIL_FILTER_LOW", "slice", hbil__glsl_slice_HBIL_FILTER_LOW },

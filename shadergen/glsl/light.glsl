@@ -41,7 +41,7 @@ vec3 hbil_multi_bounce(float ao, vec3 albedo) {
     vec3 a = 2.0404 * albedo - 0.3324;
     vec3 b = -4.7951 * albedo + 0.6417;
     vec3 c = 2.7552 * albedo + 0.6903;
-    return max(vec3(ao), ((a * ao + b) * ao + c) * ao);
+    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit is 1.0001 at 1
 #else
     return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));
 #endif
