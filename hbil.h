@@ -6633,6 +6633,9 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
+    if (c.noise == HBIL_NOISE_IGN) /* make bounds */
+        hbil__say(diags, HBIL_NOTE, hbil_option_find("noise", 5, NULL), "noise=ign: rounding moves it, so ao differs by up to 3e-3 between devices",
+                  ", by .1 at 16384 pixels; hilbert_r2 is exact");
     if (c.bounces == HBIL_BOUNCES_RECURSIVE && c.facing == HBIL_FACING_NONE)
         hbil__say(diags, HBIL_NOTE, hbil_option_find("facing", 6, NULL), "facing=none with bounces=recursive: light of surfaces that face away adds up",
                   " from bounce to bounce; half_space cuts it off");
