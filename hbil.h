@@ -61,7 +61,7 @@
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, zero, negative (perspective) or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-9 m (perspective) or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
