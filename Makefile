@@ -11,7 +11,7 @@ FUZZ_SECONDS ?= 60
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long clean
+.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long bounds clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -25,6 +25,7 @@ help:
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make fuzz-long random configs on random frames, 100 million pixels on Vulkan and GL; hours; cases of failures in out/search; HBIL_SEED=N'
 	@echo 'make fuzz    libFuzzer on every input that comes from outside; FUZZ_SECONDS=N each ($(FUZZ_SECONDS)), FUZZ_TARGETS="config exr ..."'
+	@echo 'make bounds  rounding errors of each output at the ends of distance, field of view, reach and slices, into README.md'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -118,6 +119,12 @@ fuzz:
 	$(CMAKE) -S . -B build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DHBIL_BUILD_TESTS=ON -DHBIL_FUZZ=ON
 	$(CMAKE) --build build-fuzz --parallel $(JOBS) --target fuzz
 	@sh tests/fuzz/run.sh $(CURDIR)/build-fuzz/bin $(CURDIR)/tests/fuzz/corpus $(CURDIR)/build-fuzz/fuzz-work $(FUZZ_SECONDS) $(FUZZ_TARGETS)
+
+bounds:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-bounds
+	@$(BUILD)/bin/hbil-bounds --out README.md
 
 clean:
 	rm -rf $(BUILD) build-debug build-sanitize build-fuzz out/demo

@@ -61,7 +61,7 @@
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, below 1e-9 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-9 m (perspective) or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
@@ -2215,6 +2215,15 @@ static const char hbil__glsl_slice_hbil_fade[] =
 "    return clamp((1.0 - distance / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_slice_hbil_normal_at[] =
+"// Normal of the surface that a sample sees. The middle of a coarser texel may lie beyond the screen.\n"
+"vec3 hbil_normal_at(hbil_visit at) {\n"
+"#if HBIL_MIPS\n"
+"    return hbil_load_normal(min(ivec2(at.pixel), HBIL_SIZE - 1));\n"
+"#else\n"
+"    return hbil_load_normal(ivec2(at.pixel));\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_load_radiance[] =
 "vec3 hbil_load_radiance(ivec2 p) {\n"
 "    vec3 radiance = hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
@@ -2248,7 +2257,7 @@ static const char hbil__glsl_slice_hbil_source[] =
 "// Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
 "// not what lights the receiver: the last light that was accepted stands in.\n"
 "vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {\n"
-"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));\n"
+"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_normal_at(at), along));\n"
 "    accepted = mix(accepted, hbil_radiance_at(at), t);\n"
 "    return accepted;\n"
 "}\n"
@@ -2373,7 +2382,7 @@ static const char hbil__glsl_horizon_hbil_add_arc[] =
 "#endif\n"
 "    vec2 arc = vec2(c, higher);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);\n"
+"    arc = hbil_lit(r, s, hbil_normal_at(at), arc);\n"
 "#endif\n"
 "#if HBIL_OCCLUDER_HEURISTIC\n"
 "    float before = hbil_weight(s.nx, r.ny, s.c0, c);\n"
@@ -2502,7 +2511,7 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
 "    light.mean = hbil_radiance_at(top);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));\n"
+"    vec2 arc = hbil_lit(r, s, hbil_normal_at(top), vec2(s.c0, c));\n"
 "    light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);\n"
 "#endif\n"
 "#endif\n"
@@ -2823,7 +2832,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "            vec3 radiance = hbil_radiance_at(at);\n"
 "#endif\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));\n"
+"            fresh &= hbil_lit_bits(r, f, hbil_normal_at(at));\n"
 "#endif\n"
 "            hbil_add_bits(r, f, fresh, radiance, sum);\n"
 "        }\n"
@@ -4699,6 +4708,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_FINE", "slice", hbil__glsl_slice_HBIL_FINE },
     { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
     { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
+    { "hbil_normal_at", "slice", hbil__glsl_slice_hbil_normal_at },
     { "hbil_load_radiance", "slice", hbil__glsl_slice_hbil_load_radiance },
     { "hbil_radiance_at", "slice", hbil__glsl_slice_hbil_radiance_at },
     { "HBIL_FILTER_LOW", "slice", hbil__glsl_slice_HBIL_FILTER_LOW },
@@ -6771,6 +6781,9 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
+    if (c.noise == HBIL_NOISE_IGN) /* make bounds */
+        hbil__say(diags, HBIL_NOTE, hbil_option_find("noise", 5, NULL), "noise=ign: rounding moves it, so ao differs by up to 3e-3 between devices",
+                  ", by .1 at 16384 pixels; hilbert_r2 is exact");
     if (c.bounces == HBIL_BOUNCES_RECURSIVE && c.facing == HBIL_FACING_NONE)
         hbil__say(diags, HBIL_NOTE, hbil_option_find("facing", 6, NULL), "facing=none with bounces=recursive: light of surfaces that face away adds up",
                   " from bounce to bounce; half_space cuts it off");

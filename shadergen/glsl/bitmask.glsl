@@ -238,7 +238,7 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
             vec3 radiance = hbil_radiance_at(at);
 #endif
 #if HBIL_FACING_HALF_SPACE
-            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));
+            fresh &= hbil_lit_bits(r, f, hbil_normal_at(at));
 #endif
             hbil_add_bits(r, f, fresh, radiance, sum);
         }
