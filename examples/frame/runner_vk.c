@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifndef VOLK_H_ /* else who includes this file has it, with what stands between, see tests/faults */
 #define VOLK_IMPLEMENTATION
 #include <volk.h>
+#endif
 
 #define HBIL_VK_IMPLEMENTATION
 #include "../../hbil.h"
@@ -328,7 +330,11 @@ static void vk_close(void *device)
         vkDestroyCommandPool(d->device, d->pool, NULL);
         vkDestroyDevice(d->device, NULL);
     }
-    if (d->messenger != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(d->instance, d->messenger, NULL);
+    if (d->messenger != VK_NULL_HANDLE) { /* volk's pointer is of the instance made last, which may have none */
+        const PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(d->instance, "vkDestroyDebugUtilsMessengerEXT");
+        if (destroy != NULL) destroy(d->instance, d->messenger, NULL);
+    }
     if (d->instance != NULL) {
         /* Both leave a few kilobytes behind. Kept in memory, they can be named in a leak checker's suppressions. */
         dlopen("libvulkan_lvp.so", RTLD_NOW | RTLD_NODELETE | RTLD_NOLOAD);
