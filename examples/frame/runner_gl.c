@@ -504,6 +504,8 @@ static int set_images(gl_device *d, const hbil_plan *plan, uint32_t width, uint3
     for (i = 0; i < plan->texture_count; ++i) {
         const hbil_texture *t = &plan->textures[i];
         if (t->life == HBIL_LIFE_INPUT) {
+            frame_error(error, error_size, "input %s: GL makes no texture: out of memory, or the context is lost. Render smaller, or "
+                        "open another runner", t->name); /* unless there is a better reason */
             names[i] = fill_input(d, plan, i, &inputs[i], error, error_size);
             if (!names[i]) return 0;
         } else if (t->life == HBIL_LIFE_OUTPUT) {

@@ -885,11 +885,10 @@ static void vk_set_text(void *device, const char *pass, const char *text)
 /* Pipelines stay: a plan of other words has another hash. */
 static void vk_set_words(void *device, const runner_spirv *spirv) { ((vk_device *)device)->spirv = spirv; }
 
-/* After a run that failed: nothing is under way, and the next one begins without history on images of its own. What a lost device
- * says to this does not matter. */
+/* After a run that failed: nothing is under way, and the next one begins without history on images of its own. */
 static int recover(vk_device *d)
 {
-    vkDeviceWaitIdle(d->device);
+    d->lost |= vkDeviceWaitIdle(d->device) == VK_ERROR_DEVICE_LOST;
     vkResetFences(d->device, 1, &d->fence);
     for (int t = 0; t < HBIL_MAX_TEXTURES; ++t) drop_image(d, &d->images[t]);
     d->backend.fresh = 1;
