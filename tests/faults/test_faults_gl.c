@@ -218,14 +218,14 @@ static void the_backend_reports_every_call_that_fails(void **state)
             functions += calls[call] > 0;
             for (at = 1; at <= calls[call]; ++at)
                 if (call != GLS_GenFramebuffers || at < calls[call]) /* the last one is of read_outputs */
-                    if (in_slice(3) || at == 1) fault_backend(&g, want, call, at);
+                    if (in_slice(5) || at == 1) fault_backend(&g, want, call, at);
         }
         gls_clear();
         assert_int_equal(live(&g, want, &ended), HBIL_GL_OK);
         all = gls.all - gls.calls[GLS_ReadPixels] - 1; /* without what reads the outputs */
         hbil_gl_shutdown(&g.mine);
         for (at = 1; at <= all; ++at)
-            if (in_slice(8)) lose_context(&g, want, at);
+            if (in_slice(16)) lose_context(&g, want, at);
         tear_down(&g);
         print_message("%s, %s: %d functions, %d faults\n", kinds[k].target, kinds[k].config + sizeof SMALL - 1, functions, injected - before);
     }
