@@ -1,8 +1,10 @@
 /* image.c - float images in memory, EXR through OpenEXR's C core, PNG through stb. */
 #include "image.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -74,6 +76,38 @@ void image_free(image *img)
 
 /* ---- files that are replaced whole or not at all ---------------------------------------------------------------- */
 
+/* Is this the name of a temporary file of `base` whose process is no more? */
+static int is_leftover(const char *name, const char *base)
+{
+    const size_t length = strlen(base);
+    char        *end = NULL;
+    long         process;
+
+    if (strncmp(name, base, length) != 0 || name[length] != '.' || name[length + 1] < '1' || name[length + 1] > '9') return 0;
+    process = strtol(name + length + 1, &end, 10);
+    return strcmp(end, ".tmp") == 0 && kill((pid_t)process, 0) != 0 && errno == ESRCH;
+}
+
+void temp_clean(const char *path)
+{
+    const char    *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    const size_t   folder = (size_t)(base - path);
+    char           name[4096];
+    struct dirent *entry;
+    DIR           *d;
+
+    if (folder + 256 >= sizeof name) return;
+    memcpy(name, folder ? path : ".", folder ? folder : 1);
+    name[folder ? folder : 1] = 0;
+    d = opendir(name);
+    while (d && (entry = readdir(d)) != NULL) {
+        if (!is_leftover(entry->d_name, base)) continue;
+        snprintf(name + folder, sizeof name - folder, "%s", entry->d_name);
+        remove(name);
+    }
+    if (d) closedir(d);
+}
+
 /* The temporary file lies beside its target, since rename() is atomic within one file system only. Its name holds the
  * process id: two runs that write the same file do not write into each other's half. Caller frees; NULL: no memory. */
 static char *temp_path(const char *path)
@@ -81,6 +115,7 @@ static char *temp_path(const char *path)
     size_t size = strlen(path) + 32;
     char  *temp = malloc(size);
 
+    temp_clean(path);
     if (temp) snprintf(temp, size, "%s.%ld.tmp", path, (long)getpid());
     return temp;
 }
@@ -197,6 +232,12 @@ static void keep_message(exr_const_context_t context, exr_result_t code, const c
     (void)code;
     if (context && exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user)
         snprintf(((exr_log *)user)->text, sizeof ((exr_log *)user)->text, "%s", message);
+}
+
+/* While it writes, the library holds a lock of the context where it says so: keep_message would wait for itself. The code has to do. */
+static void no_message(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    (void)context, (void)code, (void)message;
 }
 
 static exr_context_initializer_t exr_settings(exr_log *log)
@@ -536,6 +577,7 @@ int exr_write(const char *path, const image_layer *layers, int count, char *erro
     int i;
 
     settings.flags = 0; /* the one that is set is for reading */
+    settings.error_handler_fn = no_message;
     for (i = 0; i < count; i++) {
         const image *img = &layers[i].pixels;
 
