@@ -38,10 +38,10 @@ under()
     code=0
     at=$1 as=$2
     shift 2
-    { (HBIL_FAULT_UNDER=$work/out HBIL_FAULT_AT=$at HBIL_FAULT=$as HBIL_FAULT_COUNT=$work/count LD_PRELOAD=$preload \
-        ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0 exec "$@" > out.txt 2> err.txt < /dev/null); } 2> /dev/null || code=$?
+    { (exec timeout 120 env HBIL_FAULT_UNDER="$work/out" HBIL_FAULT_AT="$at" HBIL_FAULT="$as" HBIL_FAULT_COUNT="$work/count" \
+        LD_PRELOAD="$preload" ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0 "$@" > out.txt 2> err.txt < /dev/null); } || code=$?
 }
-plain() { code=0; "$@" > out.txt 2> err.txt < /dev/null || code=$?; }
+plain() { code=0; timeout 120 "$@" > out.txt 2> err.txt < /dev/null || code=$?; }
 
 # Times aside, which differ from run to run.
 figures() { sed 's/[-+0-9.e]*[0-9]/N/g' "$1"; }
