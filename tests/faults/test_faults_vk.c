@@ -415,7 +415,7 @@ static void a_view_that_is_too_small_is_refused_by_name(void **state)
     views_of(&g, views);
     for (t = 0; t < g.plan.texture_count; ++t) {
         const hbil_texture *tex = &g.plan.textures[t];
-        uint32_t need[2];
+        uint32_t need[2] = { 0, 0 };
         assert_int_equal(hbil_plan_extent(&g.plan, (int32_t)t, WIDTH, HEIGHT, need), HBIL_OK);
         if (tex->life > HBIL_LIFE_OUTPUT) continue;
         ++yours;
