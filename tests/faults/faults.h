@@ -1,4 +1,5 @@
-/* faults.h - what the tests of faults share: small plans, inputs, a few frames, and which faults are of the slice. Include behind test.h. */
+/* faults.h - what the tests of faults share: small plans, inputs, a few frames, which faults are of the slice. Include behind
+ * test.h. */
 #ifndef HBIL_TEST_FAULTS_H
 #define HBIL_TEST_FAULTS_H
 

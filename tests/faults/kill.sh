@@ -2,18 +2,17 @@
 # Programs that are killed while they write, whose disk fills up, whose files may not grow, whose libraries are missing: no output is ever
 # half there, what is left over is named *.tmp, errors say what to do, and the next run mends all.
 #
-#   sh tests/faults/kill.sh BIN PRELOAD ROOT      folder of the programs, the library of preload.c, the source
+#   sh tests/faults/kill.sh BIN PRELOAD      folder of the programs, the library of preload.c
 #
 # A line per fault and a count at the end. HBIL_LONG=1: every step of every program; else a slice of them, seeded by HBIL_SEED
 # (default 1). 77 where this system preloads no libraries; programs without a driver, or that were not built, are left out and said so.
 set -u
-if [ $# -ne 3 ] || [ ! -x "$1/shadergen" ] || [ ! -f "$2" ] || [ ! -f "$3/hbil.h" ]; then
-    echo "usage: sh kill.sh BIN PRELOAD ROOT" >&2
+if [ $# -ne 2 ] || [ ! -x "$1/shadergen" ] || [ ! -f "$2" ]; then
+    echo "usage: sh kill.sh BIN PRELOAD" >&2
     exit 2
 fi
 bin=$(cd "$1" && pwd)
 preload=$(cd "$(dirname "$2")" && pwd)/$(basename "$2")
-root=$(cd "$3" && pwd)
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
