@@ -3673,7 +3673,7 @@ static const char hbil__glsl_scatter_main[] =
 "    ivec2 p = hbil_texel();\n"
 "    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
 "    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
-"    ivec2 to; // after a reset claim takes none of what lands\n"
+"    ivec2 to;\n"
 "    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger\n"
 "        for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x)\n"

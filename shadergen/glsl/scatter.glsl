@@ -5,7 +5,7 @@ void main() {
     ivec2 p = hbil_texel();
     if (any(greaterThanEqual(p, HBIL_SIZE))) return;
     imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));
-    ivec2 to; // after a reset claim takes none of what lands
+    ivec2 to;
     float z;
     for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger
         for (int x = p.x; x < HBIL_LAST_SIZE.x; x += HBIL_SIZE.x)
