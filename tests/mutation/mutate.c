@@ -25,6 +25,7 @@ typedef struct options {
 static guard_list guards;
 static outcome   *outcomes;     /* of this run */
 static char       error[1024];
+static const char *cases = ""; /* part of the names of those that run */
 
 /* ------------------------------------------------------------------------------------------------------------ the recorded table */
 
@@ -188,9 +189,10 @@ static void run_guard(const guard *g, const char *last, outcome *o)
     for (round = 0; round < 3; ++round)
         for (i = n - 1; i >= 0; --i) {
             if (done[i] || (round == 0 && strcmp(last, trial_case(i)->name) != 0) || (round == 1 && !trial_case(i)->expect)) continue;
-            if (!trial_has(i, g)) continue;
+            if (!strstr(trial_case(i)->name, cases) || !trial_has(i, g)) continue;
             for (k = i; k >= 0; --k) {
-                if (done[k] || strcmp(trial_case(k)->config, trial_case(i)->config) != 0 || (round < 2 && k != i)) continue;
+                if (done[k] || strcmp(trial_case(k)->config, trial_case(i)->config) != 0 || (round < 2 && k != i)
+                    || !strstr(trial_case(k)->name, cases)) continue;
                 done[k] = 1;
                 ++tried;
                 if (!kills(k, g, o)) continue;
@@ -207,7 +209,7 @@ static void run_baseline(int from, int stride, outcome *o)
     int i, failed = 0;
     for (i = 0; i < trial_count(); ++i) {
         char why[WORDS];
-        if (trial_group(i) % stride != from || trial_run(i, NULL, why, sizeof why) == 1) continue;
+        if (trial_group(i) % stride != from || !strstr(trial_case(i)->name, cases) || trial_run(i, NULL, why, sizeof why) == 1) continue;
         ++failed;
         printf("without a mutation: %s, \"%s\": %s\n", trial_case(i)->name, trial_case(i)->config, why);
         fflush(stdout);
@@ -331,6 +333,7 @@ static const char help[] =
     "usage: hbil-mutate [options]\n"
     "  --list          the guards that the sources have\n"
     "  --only TEXT     guards whose id has this part\n"
+    "  --cases TEXT    cases whose name has this part\n"
     "  --sample N      about N guards, evenly from the list\n"
     "  --lint          only compare the sources with the table: every guard has a row or an exception\n"
     "  --baseline      only run all cases with all guards in place\n"
@@ -350,6 +353,7 @@ static int parse(int argc, char **argv, options *o)
         else if (strcmp(a, "--lint") == 0) o->lint = 1;
         else if (strcmp(a, "--baseline") == 0) o->baseline = 1;
         else if (value && strcmp(a, "--only") == 0) o->only = argv[++i];
+        else if (value && strcmp(a, "--cases") == 0) cases = argv[++i];
         else if (value && strcmp(a, "--out") == 0) o->out = argv[++i];
         else if (value && strcmp(a, "--root") == 0) o->root = argv[++i];
         else if (value && strcmp(a, "--sample") == 0) o->sample = atoi(argv[++i]);
@@ -388,6 +392,6 @@ int main(int argc, char **argv)
         return open != 0;
     }
     open = summary(&o, &t);
-    if (!o.only && !o.sample && !write_table(&t, &o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
+    if (!o.only && !o.sample && !*cases && !write_table(&t, &o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
     return open;
 }
