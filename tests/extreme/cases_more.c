@@ -56,8 +56,9 @@ static int within(const hbil_plan *plan, const extreme_frame *f, const image *ou
 
 static void one_plane(const hbil_plan *plan, extreme_frame *out, double x, double y, double z, double d)
 {
-    const camera c = camera_of(plan);
+    camera c = camera_of(plan);
     const plane q = { { x, y, z }, d, { 0, 0, 0 }, { 0, 0, 0 } };
+    if (y > 0.999) c.fov = 120; /* a floor: much sky */
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, &q, 1);
     light(plan, out, 1);

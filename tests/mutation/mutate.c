@@ -19,7 +19,7 @@ typedef struct outcome { char kind; char by[128], why[WORDS]; } outcome; /* kind
 
 typedef struct options {
     const char *root, *only, *out;
-    int list, lint, baseline, jobs, sample, quiet;
+    int list, lint, baseline, jobs, sample, open;
 } options;
 
 static guard_list guards;
@@ -81,20 +81,22 @@ static void escape(const char *from, char *out, size_t size)
     out[n] = 0;
 }
 
-static int lint_guard(const table *t, const guard *g)
+/* Does the table have this guard, as it is now? */
+static int is_known(const table *t, const guard *g)
 {
     const char *row = row_of(t, g->id);
-    char code[700], was[700], reason[WORDS];
+    char code[700], was[700];
     escape(g->code, code, sizeof code);
-    if (!row && excepted(t, g->id, reason, sizeof reason)) return 1;
-    if (!row) {
-        printf("%s, line %d: %s: no test is known to fail without it; run make mutate, add a case to tests/extreme if it survives\n", g->id, g->line,
-               g->code);
-        return 0;
-    }
-    cell(row, 1, was, sizeof was);
-    if (strncmp(was + 1, code, strlen(code)) == 0 && strlen(was) == strlen(code) + 2) return 1;
-    printf("%s, line %d: the table has %s: run make mutate\n", g->id, g->line, was);
+    if (row) cell(row, 1, was, sizeof was);
+    return row && strncmp(was + 1, code, strlen(code)) == 0 && strlen(was) == strlen(code) + 2;
+}
+
+static int lint_guard(const table *t, const guard *g)
+{
+    char reason[WORDS];
+    if (is_known(t, g) || (!row_of(t, g->id) && excepted(t, g->id, reason, sizeof reason))) return 1;
+    printf("%s, line %d: %s: no test is known to fail without it; run make mutate, add a case to tests/extreme if it survives\n", g->id, g->line,
+           g->code);
     return 0;
 }
 
@@ -127,16 +129,20 @@ static int lint(const table *t)
     return faults != 0;
 }
 
-static void write_row(FILE *f, const guard *g, const outcome *o)
+/* Of this run, or as it stands in the table. Returns 1 if there is one. */
+static int write_row(FILE *f, const table *t, const guard *g, const outcome *o)
 {
     char code[700], without[700], why[700];
+    const char *row = row_of(t, g->id);
+    if (!o->kind && is_known(t, g)) return fprintf(f, "%.*s\n", (int)strcspn(row, "\n"), row) > 0;
+    if (o->kind != 'K') return 0;
     escape(g->code, code, sizeof code);
     escape(g->without, without, sizeof without);
     escape(o->why, why, sizeof why);
-    fprintf(f, "| `%s` | `%s` | `%s` | %s | %s |\n", g->id, code, without, o->by, why);
+    return fprintf(f, "| `%s` | `%s` | `%s` | %s | %s |\n", g->id, code, without, o->by, why) > 0;
 }
 
-/* All of a full run. Survivors that no exception names fail the lint: they get no row. */
+/* Survivors get no row: the lint fails for those that no exception names. */
 static int write_table(const table *t, const options *o)
 {
     char path[1024], reason[WORDS], *text = NULL;
@@ -144,17 +150,17 @@ static int write_table(const table *t, const options *o)
     FILE *f = open_memstream(&text, &size);
     int i, killed = 0, kept = 0, ok;
     if (!f) return 0;
-    for (i = 0; i < guards.count; ++i) killed += outcomes[i].kind == 'K';
+    for (i = 0; i < guards.count; ++i) killed += outcomes[i].kind == 'K' || (!outcomes[i].kind && is_known(t, &guards.at[i]));
     fprintf(f, "# Guards of the shaders, and the test that fails without each\n\nWritten by `make mutate` (hbil-mutate): do not edit. Each guard that is "
                "found in shadergen/glsl is taken out of the emitted text,\nand the cases of tests/extreme run until one fails, on lavapipe, fragments on "
                "OSMesa. *contract*: an output is not finite or not in its\nrange. *expected*: what the case knows to be true is not. *undefined*: an "
                "operation that GLSL leaves undefined (checked.c). *ends*: the program\ndoes not end, or crashes.\n\n%d guards; %d killed.\n\n"
                "| guard | code | without it | case that fails | how |\n|---|---|---|---|---|\n", guards.count, killed);
     for (i = 0; i < guards.count; ++i)
-        if (outcomes[i].kind == 'K') write_row(f, &guards.at[i], &outcomes[i]);
+        (void)write_row(f, t, &guards.at[i], &outcomes[i]);
     fprintf(f, "\n## Exceptions\n\nGuards that no test can tell from their absence, and why they stay (exceptions.txt):\n\n");
     for (i = 0; i < guards.count; ++i)
-        if (outcomes[i].kind != 'K' && excepted(t, guards.at[i].id, reason, sizeof reason))
+        if (outcomes[i].kind != 'K' && !is_known(t, &guards.at[i]) && excepted(t, guards.at[i].id, reason, sizeof reason))
             kept += fprintf(f, "- %s: `%s`. %s\n", guards.at[i].id, guards.at[i].code, reason) > 0;
     if (!kept) fprintf(f, "none\n");
     fclose(f);
@@ -277,8 +283,10 @@ static void report(int index, int done, int all, const options *o)
     fflush(stdout);
 }
 
-static int chosen(int index, const options *o)
+static int chosen(int index, const options *o, const table *t)
 {
+    char reason[WORDS];
+    if (o->open && (is_known(t, &guards.at[index]) || excepted(t, guards.at[index].id, reason, sizeof reason))) return 0;
     if (o->only && !strstr(guards.at[index].id, o->only)) return 0;
     return o->sample == 0 || index % ((guards.count + o->sample - 1) / o->sample) == 0;
 }
@@ -290,14 +298,14 @@ static int run_jobs(const options *o, const table *t)
     const int count = o->baseline ? o->jobs : guards.count;
     const struct timespec nap = {0, 20000000};
     memset(jobs, 0, sizeof jobs);
-    for (i = 0; i < count; ++i) all += o->baseline || chosen(i, o);
+    for (i = 0; i < count; ++i) all += o->baseline || chosen(i, o, t);
     do {
         for (i = 0; i < o->jobs; ++i) {
             if (jobs[i].pid && end_job(&jobs[i], &outcomes[jobs[i].index])) {
                 --running;
                 report(jobs[i].index, ++done, all, o);
             }
-            while (next < count && !(o->baseline || chosen(next, o))) ++next;
+            while (next < count && !(o->baseline || chosen(next, o, t))) ++next;
             if (jobs[i].pid || next == count) continue;
             if (!start_job(&jobs[i], next++, o, t)) return snprintf(error, sizeof error, "fork: %s", strerror(errno)), 0;
             ++running;
@@ -335,11 +343,12 @@ static const char help[] =
     "  --only TEXT     guards whose id has this part\n"
     "  --cases TEXT    cases whose name has this part\n"
     "  --sample N      about N guards, evenly from the list\n"
+    "  --open          only guards that the table does not have\n"
     "  --lint          only compare the sources with the table: every guard has a row or an exception\n"
     "  --baseline      only run all cases with all guards in place\n"
     "  --jobs N        at once; default: the number of processors\n"
     "  --root DIR      the repository; default: .\n"
-    "  --out FILE      the table of a whole run; default: DIR/tests/mutation/guards.md\n"
+    "  --out FILE      the table, with what this run has found; default: DIR/tests/mutation/guards.md\n"
     "exit: 0 a test fails without each guard, 1 not so, 2 wrong usage, 3 cannot be run\n";
 
 static int parse(int argc, char **argv, options *o)
@@ -351,6 +360,7 @@ static int parse(int argc, char **argv, options *o)
         const char *a = argv[i], *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(a, "--list") == 0) o->list = 1;
         else if (strcmp(a, "--lint") == 0) o->lint = 1;
+        else if (strcmp(a, "--open") == 0) o->open = 1;
         else if (strcmp(a, "--baseline") == 0) o->baseline = 1;
         else if (value && strcmp(a, "--only") == 0) o->only = argv[++i];
         else if (value && strcmp(a, "--cases") == 0) cases = argv[++i];
@@ -372,6 +382,7 @@ int main(int argc, char **argv)
     char folder[1024];
     int i, open;
     memset(&o, 0, sizeof o);
+    setenv("LP_NUM_THREADS", "0", 0); /* the jobs are what runs side by side */
     if (argc > 1 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h"))) return fputs(help, stdout), 0;
     if (!parse(argc, argv, &o)) return 2;
     snprintf(folder, sizeof folder, "%s/shadergen/glsl", o.root);
@@ -380,7 +391,7 @@ int main(int argc, char **argv)
     t.exceptions = read_text(o.root, "exceptions.txt");
     if (o.list) {
         for (i = 0; i < guards.count; ++i)
-            if (chosen(i, &o)) printf("%s line %d: %s -> %s\n", guards.at[i].id, guards.at[i].line, guards.at[i].code, guards.at[i].without);
+            if (chosen(i, &o, &t)) printf("%s line %d: %s -> %s\n", guards.at[i].id, guards.at[i].line, guards.at[i].code, guards.at[i].without);
         return 0;
     }
     if (o.lint) return lint(&t);
@@ -392,6 +403,6 @@ int main(int argc, char **argv)
         return open != 0;
     }
     open = summary(&o, &t);
-    if (!o.only && !o.sample && !*cases && !write_table(&t, &o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
+    if (!o.sample && !write_table(&t, &o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
     return open;
 }
