@@ -2,6 +2,7 @@
  *   sqrt, log2, inversesqrt, normalize   arguments outside their domain, NaN
  *   int(), uint(), ivec2(), uvec3()      of numbers that do not fit, NaN
  *   a / b, a /= b                        b = 0
+ *   a << b, a >> b                       b outside [0, 31]
  *   clamp                                of NaN, or between bounds that are the wrong way round
  *   texelFetch, imageLoad, imageStore    outside the texture
  * A fault changes no result: it is written to the output "faults". */
@@ -108,8 +109,8 @@ static const char *rewrite_access(writer *w, const char *s, const char *text, in
     return end;
 }
 
-/* a / b: the b. */
-static const char *rewrite_divisor(writer *w, const char *s)
+/* a / b, a << b, a / = b: the b. */
+static const char *rewrite_divisor(writer *w, const char *s, const char *function)
 {
     const char *from, *end;
     put(w, s, 1);
@@ -128,7 +129,7 @@ static const char *rewrite_divisor(writer *w, const char *s)
             else do ++end; while (is_word(*end));
         }
     }
-    puts_to(w, " ck_by(");
+    puts_to(w, function);
     rewrite(w, from, end);
     puts_to(w, ")");
     return end;
@@ -155,7 +156,11 @@ static void rewrite(writer *w, const char *s, const char *end)
         } else if (begins && token(s, "texelFetch")) s = rewrite_access(w, s, whole_text, 0);
         else if (begins && (token(s, "imageStore") || token(s, "imageLoad") || token(s, "imageAtomicMin")))
             s = rewrite_access(w, s, whole_text, 1);
-        else if (*s == '/') s = rewrite_divisor(w, s);
+        else if (*s == '/') s = rewrite_divisor(w, s, " ck_by(");
+        else if ((strncmp(s, "<<", 2) == 0 || strncmp(s, ">>", 2) == 0) && s[2] != '=') {
+            put(w, s, 1);
+            s = rewrite_divisor(w, s + 1, " ck_shift(");
+        }
         else {
             for (i = 0; begins && i < sizeof calls / sizeof *calls; ++i)
                 if (token(s, calls[i])) puts_to(w, "ck_");
@@ -180,6 +185,9 @@ static const char prelude[] =
     "vec4 ck_by(vec4 x) { ck_need(all(notEqual(x, vec4(0.0))), 2u); return x; }\n"
     "int ck_by(int x) { ck_need(x != 0, 2u); return x; }\n"
     "ivec2 ck_by(ivec2 x) { ck_need(all(notEqual(x, ivec2(0))), 2u); return x; }\n"
+    "int ck_shift(int x) { ck_need(x >= 0 && x < 32, 1u); return x; }\n"
+    "uint ck_shift(uint x) { ck_need(x < 32u, 1u); return x; }\n"
+    "uvec3 ck_shift(uvec3 x) { return x; }\n"
     "int ck_int(float x) { ck_need(abs(x) < 2147483648.0 && !isnan(x), 4u); return int(x); }\n"
     "int ck_int(int x) { return x; }\n"
     "int ck_int(uint x) { return int(x); }\n"
