@@ -10,7 +10,7 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches clean
+.PHONY: help demo viewer test embed bench report record table marches mutate clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -22,6 +22,7 @@ help:
 	@echo 'make record  the same, into examples/tradeoff/report, from where README and tests have their figures; wants HBIL_CAPTURES=DIR'
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
+	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; an hour on two cores'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -99,6 +100,12 @@ marches:
 	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
 	$(COMPILE) --target hbil-marches
 	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-marches --out README.md
+
+mutate:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-mutate
+	@$(BUILD)/bin/hbil-mutate
 
 clean:
 	rm -rf $(BUILD) build-debug build-sanitize out/demo

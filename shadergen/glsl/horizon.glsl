@@ -127,7 +127,7 @@ void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, floa
         inout hbil_light light) {
     float z = hbil_load_depth(q);
     float rise = step.to_nearness - step.from_nearness;
-    float t = rise > 0.0 && rise < 1e29 ? clamp((hbil_nearness(z) - step.from_nearness) / rise, 0.0, 1.0) : 1.0;
+    float t = rise > 0.0 ? clamp((hbil_nearness(z) - step.from_nearness) / rise, 0.0, 1.0) : 1.0;
     vec3 h = hbil_position(step.to - (1.0 - t) * step.way, z) - r.position;
     vec3 along = h * inversesqrt(max(dot(h, h), 1e-30));
     float low = c;
@@ -143,7 +143,7 @@ void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, floa
 // Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that
 // stand in front of it.
 void hbil_add_cell(hbil_receiver r, hbil_side s, hbil_step step, float c, float c_sample, inout hbil_light light) {
-    ivec2 q = ivec2(floor(step.to));
+    ivec2 q = ivec2(step.to);
     vec2 f = step.to - floor(step.to) - 0.5;
     ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);
     ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);

@@ -383,12 +383,13 @@ static void fill_tiny(const hbil_plan *plan, int index, extreme_frame *out)
     camera c = eye;
     const double n[3] = { 0, 0, 1 };
     int p;
-    c.fov = index ? 1e-2 : 1e-3;
+    c.fov = index ? 1e-2 : 2e-4;
     c.near_z = 1e-16;
     if (plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC) c.fov = index ? 1e-5 : 2e-6;
     frames_begin(plan, out, &c, 0);
     for (p = 0; p < WIDTH * HEIGHT; ++p)
-        frames_put(plan, out, p % WIDTH, p / WIDTH, 1.01e-15 * (frames_random((uint32_t)p, 60) < 0.5f ? 1.0 : 1.0 - 1e-5), n);
+        frames_put(plan, out, p % WIDTH, p / WIDTH, /* some where others are when they are pulled to the eye, by HBIL_PULL */
+                   1.01e-15 * (frames_random((uint32_t)p, 60) < 0.5f ? 1.0 : 1.0 - 1e-5 + 6e-8 * (p % 5 - 2)), n);
     light(plan, out, 1);
     out->frame.reset = 1;
 }
@@ -514,6 +515,88 @@ static int expect_behind(const hbil_plan *plan, int index, const extreme_frame *
     return n > 100 || snprintf(why, size, "too few pixels") < 0;
 }
 
+/* A ledge before a wall, at its side nothing; index 1: there, deep below the ledge, is a floor. It is behind the ledge's plane and must
+ * not take from what the wall hides. */
+static void fill_below(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    const camera c = camera_of(plan);
+    const plane q[] = { { { 0, 1, 0 }, -1, { -99, -9, -4 }, { 0.4, 9, 0 } }, { { 0, 0, 1 }, -4, { -99, -9, -99 }, { 0.4, 1, 0 } },
+                        { { 0, 1, 0 }, -1.7, { -99, -9, -99 }, { 99, 9, 0 } } };
+    frames_begin(plan, out, &c, 0);
+    frames_planes(plan, out, q, index ? 3 : 2);
+    light(plan, out, 1);
+    out->frame.reset = 1;
+}
+
+/* A wall with a floor at its foot, which the border of the screen cuts: only the samples that are there count. */
+static void fill_foot(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    const camera c = camera_of(plan);
+    const plane q[] = { { { 0, 0, 1 }, -3, { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 1, 0 }, -1.5, { 0, 0, 0 }, { 0, 0, 0 } } };
+    (void)index;
+    frames_begin(plan, out, &c, 0);
+    frames_planes(plan, out, q, 2);
+    out->frame.reset = 1;
+}
+
+/* 64 steps downwards from the wall, of which at most 12 are on the screen. */
+static int expect_foot(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *ao = output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    int p;
+    (void)index;
+    for (p = 0; p < ao->width * ao->height; ++p) {
+        if (normal->data[3 * p + 2] < 0.9f || ao->data[p] > 0.6f) continue;
+        snprintf(why, size, "ao of pixel (%d, %d) is %g", p % ao->width, p / ao->width, (double)ao->data[p]);
+        return 0;
+    }
+    return 1;
+}
+
+/* A floor, and a higher one behind: its top faces away from the lower one, and its front is not there. */
+static void fill_step(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    const camera c = camera_of(plan);
+    const plane q[] = { { { 0, 1, 0 }, -1.2, { -99, -9, -3 }, { 99, 9, 0 } }, { { 0, 1, 0 }, -0.7, { -99, -9, -99 }, { 99, 9, -3 } } };
+    (void)index;
+    frames_begin(plan, out, &c, 0);
+    frames_planes(plan, out, q, 2);
+    light(plan, out, 1);
+    out->frame.reset = 1;
+}
+
+static int expect_step(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near");
+    double least = 1;
+    int p;
+    (void)index;
+    for (p = 0; p < ao->width * ao->height; ++p) {
+        const double n = (double)near->data[near->channels * p];
+        least = fmin(least, (double)ao->data[p]);
+        if (is_sky(f, plan, p) || n < 0.02) continue;
+        snprintf(why, size, "pixel (%d, %d): near %g of what faces away", p % ao->width, p / ao->width, n);
+        return 0;
+    }
+    return least < 0.95 || snprintf(why, size, "nothing is occluded") < 0;
+}
+
+/* Of a white world no more light comes than is hidden. */
+static int expect_no_more(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near");
+    int p;
+    (void)index;
+    (void)f;
+    for (p = 0; p < ao->width * ao->height; ++p) {
+        const double a = (double)ao->data[p], n = (double)near->data[near->channels * p];
+        if (a + n < 1.004) continue;
+        snprintf(why, size, "pixel (%d, %d): ao %g and near %g", p % ao->width, p / ao->width, a, n);
+        return 0;
+    }
+    return 1;
+}
+
 /* Facing. Index 0: in a corner all that is seen faces the receiver: near + ao = 1. Index 1: the normals of the wall look away from the
  * floor, which gets no light of it. */
 static void fill_facing(const hbil_plan *plan, int index, extreme_frame *out)
@@ -549,6 +632,10 @@ static int expect_facing(const hbil_plan *plan, int index, const extreme_frame *
 #define TURNING(config) { "truth_a_camera_that_turns", config, 16, fill_turning, NULL, 0 },
 #define LOBES(config) { "truth_sh_of_negative_radiance", config, 4, fill_lobes, NULL, 0 }
 #define FACING(config) { "truth_facing", config, 2, fill_facing, expect_facing, 0 }
+#define STEP(config) { "truth_what_faces_away_gives_no_light", config, 1, fill_step, expect_step, 0 }
+#define NO_MORE(config) { "truth_no_more_light_than_is_hidden", config, 2, fill_white, expect_no_more, 0 }, \
+    { "truth_no_more_light_than_is_hidden", config, 2, fill_normals, expect_no_more, 0 }
+#define BELOW(config) { "truth_what_lies_below_never_brightens", config, 2, fill_below, expect_behind, 0 }
 #define BEHIND(config) { "truth_beyond_reach_never_brightens", config, 2, fill_behind, expect_behind, 0 }
 
 /* Of every march and every way to gather. */
@@ -559,6 +646,7 @@ static int expect_facing(const hbil_plan *plan, int index, const extreme_frame *
     X("outputs=ao+near gather=side facing=half_space slices=2") \
     X("outputs=ao+near+sh+bent+uniform_ao estimator=bitmask occluder=thick slices=2 reach=3 facing=half_space") \
     X("outputs=ao+near+sh+bent estimator=bitmask slices=2 facing=filter") \
+    X("outputs=ao+near estimator=bitmask occluder=thick thickness=0.01 slices=2") \
     X("outputs=ao estimator=hbao slices=2 reach=3") \
     X("outputs=ao estimator=hbao_plus slices=2 reach=3 attenuation=linear") \
     X("outputs=ao+near+bent march=sweep slices=4 facing=half_space") \
@@ -609,6 +697,23 @@ const extreme_case extreme_more[] = {
     BEHIND("outputs=ao estimator=hbao reach=1.5 slices=4 noise=none steps=16 attenuation=linear"),
     BEHIND("outputs=ao estimator=hbao_plus reach=1.5 slices=4 noise=none steps=16"),
     BEHIND("outputs=ao reach=1.5 slices=4 noise=none steps=16"),
+    { "truth_samples_beyond_the_border_do_not_count", "outputs=ao estimator=hbao_plus slices=1 steps=64 noise=none exponent=1", 1, fill_foot,
+      expect_foot, 0 },
+    STEP("outputs=ao+near slices=4 steps=8 facing=half_space"),
+    STEP("outputs=ao+near slices=4 steps=8 facing=half_space gather=side"),
+    STEP("outputs=ao+near slices=4 steps=8 facing=half_space occluder=heuristic"),
+    STEP("outputs=ao+near slices=4 steps=8 facing=half_space estimator=bitmask"),
+    NO_MORE("outputs=ao+near slices=2 facing=half_space"),
+    NO_MORE("outputs=ao+near slices=2 facing=half_space gather=side"),
+    NO_MORE("outputs=ao+near slices=2 facing=half_space occluder=heuristic"),
+    NO_MORE("outputs=ao+near slices=2 facing=half_space estimator=bitmask occluder=thick"),
+    BELOW("outputs=ao estimator=hbao_plus slices=4 noise=none steps=16"),
+    BELOW("outputs=ao estimator=hbao slices=4 noise=none steps=16"),
+    BELOW("outputs=ao slices=4 noise=none steps=16"),
+    BELOW("outputs=ao+near slices=4 noise=none steps=16 estimator=bitmask"),
+    OPEN("outputs=ao+bent+cone+specular_occlusion ao_exponent=0.1 slices=3", 5),
+    OPEN("outputs=ao+far environment=constant seed_compat=f0_ao f0=scalar slices=3", 5),
+    OPEN("outputs=ao+far environment=sh far_visibility=cone seed_compat=cone_relation ao_exponent=0.1 slices=3", 5),
     CORNER("outputs=ao march=both estimator=bitmask reach=0.3 slices=8"),
     CORNER("outputs=ao slices=4 steps=16 reach=50 noise=none"),
     CORNER("outputs=ao slices=4 steps=16 spacing=geometric noise=none"),

@@ -311,6 +311,7 @@ static int run_jobs(const options *o, const table *t)
             if (jobs[i].pid && end_job(&jobs[i], &outcomes[jobs[i].index])) {
                 --running;
                 report(jobs[i].index, ++done, all, o);
+                if (!o->baseline && !o->sample && done % 10 == 0 && !write_table(t, o)) return 0; /* a run that is stopped leaves what it has */
             }
             while (next < count && !(o->baseline || chosen(next, o, t))) ++next;
             if (jobs[i].pid || next == count) continue;
@@ -392,6 +393,7 @@ int main(int argc, char **argv)
     int i, open;
     memset(&o, 0, sizeof o);
     setenv("LP_NUM_THREADS", "0", 0); /* the jobs are what runs side by side */
+    setenv("GALLIVM_PERF", "nopt", 0); /* lavapipe: what compiles quickly; no shader runs for long */
     if (argc > 1 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h"))) return fputs(help, stdout), 0;
     if (!parse(argc, argv, &o)) return 2;
     snprintf(folder, sizeof folder, "%s/shadergen/glsl", o.root);
