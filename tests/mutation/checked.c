@@ -164,8 +164,7 @@ static void rewrite(writer *w, const char *s, const char *end)
         else {
             for (i = 0; begins && i < sizeof calls / sizeof *calls; ++i)
                 if (token(s, calls[i])) puts_to(w, "ck_");
-            put(w, s++, 1);
-            if (begins) while (s < end && is_word(*s)) put(w, s++, 1);
+            do put(w, s++, 1); while (s < end && is_word(s[-1]) && is_word(*s));
         }
     }
 }
@@ -176,6 +175,7 @@ static const char prelude[] =
     "float ck_sqrt(float x) { ck_need(x >= 0.0 && !isnan(x), 1u); return sqrt(x); }\n"
     "vec4 ck_sqrt(vec4 x) { ck_need(all(greaterThanEqual(x, vec4(0.0))) && !any(isnan(x)), 1u); return sqrt(x); }\n"
     "float ck_inversesqrt(float x) { ck_need(x > 0.0 && !isnan(x), 1u); return inversesqrt(x); }\n"
+    "vec4 ck_inversesqrt(vec4 x) { ck_need(all(greaterThan(x, vec4(0.0))) && !any(isnan(x)), 1u); return inversesqrt(x); }\n"
     "float ck_log2(float x) { ck_need(x > 0.0 && !isnan(x), 1u); return log2(x); }\n"
     "vec2 ck_normalize(vec2 x) { ck_need(dot(x, x) > 0.0 && !any(isnan(x)), 1u); return normalize(x); }\n"
     "vec3 ck_normalize(vec3 x) { ck_need(dot(x, x) > 0.0 && !any(isnan(x)), 1u); return normalize(x); }\n"
