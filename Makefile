@@ -10,7 +10,8 @@ CTEST    ?= ctest
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches mutate clean
+.PHONY: help demo viewer test embed bench report record table marches fuzz-long mutate clean
+
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -22,6 +23,7 @@ help:
 	@echo 'make record  the same, into examples/tradeoff/report, from where README and tests have their figures; wants HBIL_CAPTURES=DIR'
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
+	@echo 'make fuzz-long random configs on random frames, 100 million pixels on Vulkan and GL; hours; cases of failures in out/search; HBIL_SEED=N'
 	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; an hour on two cores'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
@@ -106,6 +108,15 @@ mutate:
 	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
 	$(COMPILE) --target hbil-mutate
 	@$(BUILD)/bin/hbil-mutate
+
+# What test "search" does for seconds. PIXELS=N: fewer or more.
+fuzz-long:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-search
+	@mkdir -p out
+	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-search --pixels $(or $(PIXELS),100000000) --failures 100 \
+	    --backend vulkan,vulkan,gl --out out/search
 
 clean:
 	rm -rf $(BUILD) build-debug build-sanitize out/demo

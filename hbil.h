@@ -61,7 +61,7 @@
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, below 1e-15 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-9 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
@@ -1527,10 +1527,6 @@ static const char hbil__glsl_triangle_vertex[] =
 "}\n";
 static const char hbil__glsl_common_HBIL_SKY[] =
 "const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m\n";
-static const char hbil__glsl_common_HBIL_LEAST_DEPTH[] =
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"const float HBIL_LEAST_DEPTH = 1e-15; // nearer is no surface: nearness, its squares and sums stay finite. m\n"
-"#endif\n";
 static const char hbil__glsl_common_HBIL_RADIANCE_MAX[] =
 "const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite\n";
 static const char hbil__glsl_common_HBIL_PI[] =
@@ -3489,6 +3485,10 @@ static const char hbil__glsl_prepare_hbil_load_raw_depth[] =
 "    return texelFetch(u_depth, p, 0).r;\n"
 "#endif\n"
 "}\n";
+static const char hbil__glsl_prepare_HBIL_LEAST_DEPTH[] =
+"#if HBIL_PROJECTION_PERSPECTIVE\n"
+"const float HBIL_LEAST_DEPTH = 1e-9; // nearer is no surface: squares of lengths would underflow, nearness overflow. m\n"
+"#endif\n";
 static const char hbil__glsl_prepare_hbil_view_depth[] =
 "// View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any\n"
 "// arithmetic could round it, and is written so that NaN is sky too.\n"
@@ -3507,9 +3507,9 @@ static const char hbil__glsl_prepare_hbil_view_depth[] =
 "#if HBIL_PROJECTION_ORTHOGRAPHIC\n"
 "    float z = d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y;\n"
 "#elif HBIL_DEPTH_FAR_INFINITE\n"
-"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x);\n"
+"    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x, 1e-30); // the sky's: 1e30\n"
 "#else\n"
-"    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y);\n"
+"    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y, 1e-30);\n"
 "#endif\n"
 "#endif\n"
 "#if HBIL_PROJECTION_PERSPECTIVE\n"
@@ -3545,7 +3545,7 @@ static const char hbil__glsl_prepare_hbil_load_raw_normal[] =
 "    return hbil_unfold(t.xy * 2.0 - 1.0);\n"
 "#elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888\n"
 "    // low bytes of x and y, then their high halves in one byte\n"
-"    uvec3 b = uvec3(clamp(t, 0.0, 1.0) * 255.0 + 0.5);\n"
+"    uvec3 b = uvec3(min(hbil_finite(t), 1.0) * 255.0 + 0.5);\n"
 "    uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);\n"
 "    return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);\n"
 "#elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM\n"
@@ -4628,7 +4628,6 @@ static const char hbil__glsl_light_main[] =
 static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "vertex", "triangle", hbil__glsl_triangle_vertex },
     { "HBIL_SKY", "common", hbil__glsl_common_HBIL_SKY },
-    { "HBIL_LEAST_DEPTH", "common", hbil__glsl_common_HBIL_LEAST_DEPTH },
     { "HBIL_RADIANCE_MAX", "common", hbil__glsl_common_HBIL_RADIANCE_MAX },
     { "HBIL_PI", "common", hbil__glsl_common_HBIL_PI },
     { "hbil_texel", "common", hbil__glsl_common_hbil_texel },
@@ -4787,6 +4786,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "hbil_has_pushed", "last", hbil__glsl_last_hbil_has_pushed },
     { "hbil_push", "last", hbil__glsl_last_hbil_push },
     { "hbil_load_raw_depth", "prepare", hbil__glsl_prepare_hbil_load_raw_depth },
+    { "HBIL_LEAST_DEPTH", "prepare", hbil__glsl_prepare_HBIL_LEAST_DEPTH },
     { "hbil_view_depth", "prepare", hbil__glsl_prepare_hbil_view_depth },
     { "hbil_unfold", "prepare", hbil__glsl_prepare_hbil_unfold },
     { "hbil_load_raw_normal", "prepare", hbil__glsl_prepare_hbil_load_raw_normal },
@@ -6260,8 +6260,8 @@ static int hbil__read_depth(const hbil_config *c, const float *m, hbil_diags *di
         return hbil__frame_fault(diags, "projection: its far end is behind the eye", "; check the options clip and depth_direction");
     if (perspective && c->depth_far == HBIL_DEPTH_FAR_INFINITE && far_v > 1e-5 * near_v)
         return hbil__frame_fault(diags, "projection: its far plane is finite", "; set depth_far=finite");
-    if (!(near_v <= 1e15 && near_v >= -1e15 && far_v <= 1e15 && far_v >= -1e15))
-        return hbil__frame_fault(diags, perspective ? "projection: its near end is below 1e-15 m" : "projection: its ends are beyond 1e15 m",
+    if (!(near_v <= (perspective ? 1e9 : 1e15) && near_v >= -1e15 && far_v <= 1e15 && far_v >= -1e15))
+        return hbil__frame_fault(diags, perspective ? "projection: its near end is below 1e-9 m" : "projection: its ends are beyond 1e15 m",
                                  "; fill the z row");
     out->depth_to_view[0] = near_v - far_v;
     out->depth_to_view[1] = far_v > 0 || !perspective ? far_v : 0.0;

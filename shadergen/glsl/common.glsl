@@ -4,11 +4,6 @@
 //@ chunk HBIL_SKY
 const float HBIL_SKY = 1e15; // view depth of a pixel without a surface. m
 
-//@ chunk HBIL_LEAST_DEPTH
-#if HBIL_PROJECTION_PERSPECTIVE
-const float HBIL_LEAST_DEPTH = 1e-15; // nearer is no surface: nearness, its squares and sums stay finite. m
-#endif
-
 //@ chunk HBIL_RADIANCE_MAX
 const float HBIL_RADIANCE_MAX = 60000.0; // below the largest half float: history and blends stay finite
 

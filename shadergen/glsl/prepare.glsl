@@ -9,6 +9,11 @@ float hbil_load_raw_depth(ivec2 p) {
 #endif
 }
 
+//@ chunk HBIL_LEAST_DEPTH
+#if HBIL_PROJECTION_PERSPECTIVE
+const float HBIL_LEAST_DEPTH = 1e-9; // nearer is no surface: squares of lengths would underflow, nearness overflow. m
+#endif
+
 //@ chunk hbil_view_depth
 // View depth of the surface at a pixel. m; HBIL_SKY where there is none. The sky test reads the raw value, before any
 // arithmetic could round it, and is written so that NaN is sky too.
@@ -27,9 +32,9 @@ float hbil_view_depth(ivec2 p) {
 #if HBIL_PROJECTION_ORTHOGRAPHIC
     float z = d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y;
 #elif HBIL_DEPTH_FAR_INFINITE
-    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x);
+    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x, 1e-30); // the sky's: 1e30
 #else
-    float z = 1.0 / (d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y);
+    float z = 1.0 / max(d * HBIL_DEPTH_TO_VIEW.x + HBIL_DEPTH_TO_VIEW.y, 1e-30);
 #endif
 #endif
 #if HBIL_PROJECTION_PERSPECTIVE
@@ -67,7 +72,7 @@ vec3 hbil_load_raw_normal(ivec2 p) {
     return hbil_unfold(t.xy * 2.0 - 1.0);
 #elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888
     // low bytes of x and y, then their high halves in one byte
-    uvec3 b = uvec3(clamp(t, 0.0, 1.0) * 255.0 + 0.5);
+    uvec3 b = uvec3(min(hbil_finite(t), 1.0) * 255.0 + 0.5);
     uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);
     return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);
 #elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM

@@ -48,7 +48,7 @@
 #define D32_REVERSED "outputs=ao depth=device depth_direction=reversed depth_far=infinite"
 #define D32 "outputs=ao depth=device"
 #define R16F "outputs=ao pull=0.0008 bias=0.02"
-#define MANY      "outputs=ao slices=32 steps=64"
+#define MANY      "outputs=ao slices=32 steps=64 sampling=bilinear"
 #define MANY_ORTHO "outputs=ao slices=32 steps=64 projection=orthographic"
 #define ONE_SLICE "outputs=ao slices=1 steps=16 projection=orthographic"
 #define MIRROR    "outputs=ao noise=none slices=3"
@@ -85,7 +85,7 @@ static void poke(const hbil_plan *plan, int index, extreme_frame *out, const cha
     X(depth_zero, "depth", 0.0f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_one, "depth", 1.0f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_1e_4, "depth", 1e-4f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
-    X(depth_1e_15, "depth", 1e-15f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
+    X(depth_1e_9, "depth", 1.1e-9f, EVERYWHERE, EXTREME_LEGAL | EXTREME_TIES) \
     X(depth_1e_30, "depth", 1e-30f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_least_normal, "depth", 1.2e-38f, EVERYWHERE, EXTREME_LEGAL) \
     X(depth_denormal, "depth", 1e-40f, EVERYWHERE, EXTREME_LEGAL) \

@@ -260,8 +260,8 @@ static void fill_meant(const hbil_plan *plan, int index, extreme_frame *out)
         set_some(plan, out, light_of[i], index ? INFINITY : 60000, 33);
     }
     for (i = 0; i < 3; ++i) {
-        set_some(plan, out, share_of[i], index ? 3 : 1, 34);
-        set_some(plan, out, share_of[i], index ? -3 : 0, 35);
+        set_some(plan, out, share_of[i], index ? 3 : 1, 134 + 10 * (uint32_t)i);
+        set_some(plan, out, share_of[i], index ? -3 : 0, 135 + 10 * (uint32_t)i);
     }
     set_some(plan, out, "albedo", index ? NAN : 0, 36);
     set_some(plan, out, "f0", index ? NAN : 0, 36);
@@ -377,19 +377,18 @@ static void fill_spikes(const hbil_plan *plan, int index, extreme_frame *out)
     out->frame.reset = index == 0;
 }
 
-/* The nearest surfaces that are any, through the narrowest camera: squares of distances are below what a float has. */
+/* Index 0: the nearest surfaces that are any, through the narrowest camera. 1: a camera so far off its axis that neighbours have one ray:
+ * some samples lie where the receiver is when it is pulled to the eye by HBIL_PULL. */
 static void fill_tiny(const hbil_plan *plan, int index, extreme_frame *out)
 {
-    camera c = eye;
-    const double n[3] = { 0, 0, 1 };
+    camera c = camera_of(plan);
+    const double n[3] = { 0, 0, 1 }, z = index ? 1.5 : 1.01e-9;
     int p;
-    c.fov = index ? 1e-2 : 2e-4;
-    c.near_z = 1e-16;
-    if (plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC) c.fov = index ? 1e-5 : 2e-6;
+    if (index) c.shift[0] = 3e6;
+    else c.fov = plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC ? 2e-6 : 2e-4;
     frames_begin(plan, out, &c, 0);
     for (p = 0; p < WIDTH * HEIGHT; ++p)
-        frames_put(plan, out, p % WIDTH, p / WIDTH, /* some where others are when they are pulled to the eye, by HBIL_PULL */
-                   1.01e-15 * (frames_random((uint32_t)p, 60) < 0.5f ? 1.0 : 1.0 - 1e-5 + 6e-8 * (p % 5 - 2)), n);
+        frames_put(plan, out, p % WIDTH, p / WIDTH, z * (frames_random((uint32_t)p, 60) < 0.5f ? 1.0 : 1.0 - 1e-5 + 6e-8 * (p % 5 - 2)), n);
     light(plan, out, 1);
     out->frame.reset = 1;
 }

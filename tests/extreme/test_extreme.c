@@ -15,7 +15,7 @@ enum { DEVICES_MAX = 4, TESTS_MAX = 256 };
 typedef struct finding {
     const char *name;
     int         cases, faults;
-    char        first[600];
+    char        first[2400];
     double      sum;            /* of differences to the first device, per pixel */
     long        pixels, beyond; /* compared; farther than 2e-3 */
     char        worst[300];
@@ -98,7 +98,7 @@ static int frame_of(finding *f, const extreme_case *c, const hbil_plan plans[], 
 {
     image out[DEVICES_MAX][HBIL_MAX_TEXTURES];
     extreme_frame *x = (extreme_frame *)calloc(1, sizeof *x);
-    char why[400];
+    char why[2000];
     int d, i, ok = 1;
     if (!x) abort();
     memset(out, 0, sizeof out);
@@ -166,15 +166,16 @@ static int run_all(void **state)
     (void)state;
     for (i = 0; i < extreme_case_count; ++i) (void)finding_of(extreme_cases[i].name);
     for (i = 0; i < extreme_case_count; ++i) {
+        int ran = 0;
         for (k = 0; k < i && strcmp(extreme_cases[k].config, extreme_cases[i].config) != 0; ++k) { }
         if (k < i) continue; /* this config was run */
-        ++totals.plans;
         for (k = i; k < extreme_case_count; ++k) {
             const extreme_case *c = &extreme_cases[k];
             if (strcmp(c->config, extreme_cases[i].config) != 0 || (only && !strstr(c->name, only))) continue;
             if (c->flags & EXTREME_LONG && !long_too) ++totals.skipped;
-            else run_case(c, finding_of(c->name));
+            else run_case(c, finding_of(c->name)), ++ran;
         }
+        totals.plans += ran > 0;
     }
     return 0;
 }
@@ -191,9 +192,16 @@ static void one_test(void **state)
 
 static int close_all(void **state)
 {
-    int d;
+    int d, i, hazards = 0;
+    unsigned long seen = 0; /* by number */
     (void)state;
-    print_message("%ld cases, %ld frames, %ld pixels, %ld variants, %llu values checked", totals.cases, totals.frames, totals.pixels,
+    for (i = 0; i < finding_count; ++i)
+        if (findings[i].cases && findings[i].name[0] == 'H') {
+            const unsigned long bit = 1ul << (atoi(findings[i].name + 1) & 31);
+            hazards += !(seen & bit);
+            seen |= bit;
+        }
+    print_message("%d hazards, %ld cases, %ld frames, %ld pixels, %ld variants, %llu values checked", hazards, totals.cases, totals.frames, totals.pixels,
                   totals.plans, contract_values);
     if (totals.skipped) print_message("; %ld cases skipped, HBIL_LONG=1 runs them", totals.skipped);
     print_message("\n");

@@ -23,7 +23,7 @@ static hbil_plan plan_of(const char *config, const char *target)
     return plan;
 }
 
-static void run(runner *r, const hbil_plan *plan, const capture *cap, image outputs[HBIL_MAX_TEXTURES])
+static inline void run(runner *r, const hbil_plan *plan, const capture *cap, image outputs[HBIL_MAX_TEXTURES])
 {
     image inputs[HBIL_MAX_TEXTURES];
     hbil_frame frame;
@@ -79,7 +79,7 @@ static void make_film(capture film[MOVES])
 }
 
 /* The last of a few frames under a moving camera. */
-static void run_moves(runner *r, const hbil_plan *plan, const capture *film, image outputs[HBIL_MAX_TEXTURES])
+static inline void run_moves(runner *r, const hbil_plan *plan, const capture *film, image outputs[HBIL_MAX_TEXTURES])
 {
     image inputs[HBIL_MAX_TEXTURES];
     int i, f;

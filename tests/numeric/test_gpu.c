@@ -411,9 +411,9 @@ static int check_against_brute_force(const char *name, const hbil_config *config
 static int check_surface(const char *name)
 {
     const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 16,
-                                .steps = getenv("HBIL_LONG") ? 1024 : 384, /* enough for 107 columns */
+                                .steps = getenv("HBIL_LONG") ? 1024 : 288, /* enough for 80 columns */
                                 .sampling = HBIL_SAMPLING_BILINEAR};
-    return check_against_brute_force(name, &config, 4, getenv("HBIL_LONG") ? 160 : 107, &k_goal);
+    return check_against_brute_force(name, &config, 4, getenv("HBIL_LONG") ? 160 : 80, &k_goal);
 }
 
 static void brute_force_meets_the_march_over_the_surface(void **state)
@@ -426,7 +426,7 @@ static int check_centres(const char *name)
 {
     const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 64, .steps = 256};
     /* full size takes minutes on two cores */
-    return check_against_brute_force(name, &config, 1, getenv("HBIL_LONG") ? 640 : 320, &k_centres);
+    return check_against_brute_force(name, &config, 1, getenv("HBIL_LONG") ? 640 : 214, &k_centres);
 }
 
 static void brute_force_is_near_the_march_over_pixel_centres(void **state)

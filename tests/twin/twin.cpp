@@ -63,7 +63,7 @@ std::string translate(std::string text)
         {"#(version|extension|line) [^\\n]*|\\bprecision (highp|mediump) \\w+;", ""},
         {"layout\\(local_size[^;]*;", ""},
         /* arrays are values */
-        {"\\b(mediump )?(float|vec[234]) (\\w+)\\[([^\\]]+)\\]", "array<$1$2, $4> $3"},
+        {"\\b(mediump )?(float|u?vec[234]) (\\w+)\\[([^\\]]+)\\]", "array<$1$2, $4> $3"},
         /* types that round */
         {"\\bmediump (float|vec4)\\b", "mediump_$1"},
         /* targets of a fragment shader */
@@ -162,9 +162,9 @@ std::string flags_of(const twin *t)
     std::string flags = "-std=c++20 -O1 -g1 -fPIC -shared -fvisibility=hidden -ffp-contract=off -fno-math-errno -w";
     flags += t->precision == TWIN_DOUBLE ? " -DGLSL_DOUBLE=1" : " -DGLSL_DOUBLE=0";
     flags += t->flags & TWIN_STICKY ? " -DGLSL_STICKY=1" : " -DGLSL_STICKY=0";
-    if (t->flags & TWIN_SANITIZE)
-        flags += " -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow -fno-sanitize=vptr"
-                 " -fno-sanitize-recover=all -fno-omit-frame-pointer";
+    if (t->flags & TWIN_SANITIZE) /* of arithmetic: memory is checked by glsl.hpp, texel by texel */
+        flags += " -fsanitize=shift,signed-integer-overflow,integer-divide-by-zero,float-divide-by-zero,float-cast-overflow,bounds,bool"
+                 " -fno-sanitize-recover=all";
     return flags;
 }
 

@@ -15,7 +15,7 @@ extern "C" {
 
 enum { TWIN_FLOAT, TWIN_DOUBLE };
 enum {
-    TWIN_SANITIZE = 1, /* Address- and UndefinedBehaviorSanitizer in the shader, float-divide-by-zero too: the program needs them as well */
+    TWIN_SANITIZE = 1, /* UndefinedBehaviorSanitizer in the shader: shifts, overflow of int, divisions by zero, conversions. Ends the program */
     TWIN_STICKY = 2    /* min and max give NaN if one of their operands is: GLSL leaves it open */
 };
 typedef struct twin twin;
