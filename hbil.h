@@ -1626,9 +1626,7 @@ static const char hbil__glsl_common_hbil_load_normal[] =
 static const char hbil__glsl_common_hbil_direction[] =
 "// Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.\n"
 "vec3 hbil_direction(vec3 v, vec3 other) {\n"
-"    v += 2e-5 * other;\n"
-"    float l2 = dot(v, v);\n"
-"    return l2 > 1e-12 ? v * inversesqrt(l2) : other;\n"
+"    return normalize(v + 2e-5 * other);\n"
 "}\n";
 static const char hbil__glsl_common_hbil_diffuse[] =
 "// Part of the light that a surface does not mirror: 1 - F0. Metals get none.\n"
@@ -1714,7 +1712,7 @@ static const char hbil__glsl_environment_hbil_cone_cosine[] =
 "// Cosine of the half angle of the cone about its normal that has this cosine-weighted visibility.\n"
 "float hbil_cone_cosine(float ao) {\n"
 "#if HBIL_SEED_COMPAT_CONE_RELATION\n"
-"    return clamp(1.0 - ao, 0.0, 1.0); // the relation of uniform visibility\n"
+"    return 1.0 - ao; // the relation of uniform visibility\n"
 "#else\n"
 "    return sqrt(clamp(1.0 - ao, 0.0, 1.0));\n"
 "#endif\n"
@@ -2512,8 +2510,8 @@ static const char hbil__glsl_horizon_hbil_bent[] =
 "#if HBIL_SEED_COMPAT_UNIFORM_BENT\n"
 "    return 0.5 * vec2(hbil_arc(cf) - hbil_arc(cb), 2.0 - cf * cf - cb * cb);\n"
 "#else\n"
-"    float sf2 = max(1.0 - cf * cf, 0.0);\n"
-"    float sb2 = max(1.0 - cb * cb, 0.0);\n"
+"    float sf2 = 1.0 - cf * cf;\n"
+"    float sb2 = 1.0 - cb * cb;\n"
 "    float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);\n"
 "    float c3 = cf * cf * cf + cb * cb * cb;\n"
 "    return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;\n"
@@ -3232,7 +3230,7 @@ static const char hbil__glsl_signal_hbil_belongs[] =
 "    if (z >= HBIL_SKY) return 0.0;\n"
 "    float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));\n"
 "    vec2 turn = hbil_unpack_snorm(texelFetch(u_view_normal, q, 0).r) - s.code;\n"
-"    return clamp(1.0 - off / (HBIL_FILTER_PLANE * gap * s.pixel), 0.0, 1.0)\n"
+"    return clamp(1.0 - off / max(HBIL_FILTER_PLANE * gap * s.pixel, 1e-30), 0.0, 1.0)\n"
 "        * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);\n"
 "}\n";
 static const char hbil__glsl_signal_HBIL_FILTER_RADIUS[] =
@@ -3671,7 +3669,6 @@ static const char hbil__glsl_scatter_main[] =
 static const char hbil__glsl_claim_main[] =
 "void main() {\n"
 "    ivec2 p = hbil_texel();\n"
-"    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;\n"
 "    ivec2 to;\n"
 "    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y)\n"

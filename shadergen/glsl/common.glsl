@@ -117,9 +117,7 @@ vec3 hbil_load_normal(ivec2 p) {
 //@ chunk hbil_direction
 // Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.
 vec3 hbil_direction(vec3 v, vec3 other) {
-    v += 2e-5 * other;
-    float l2 = dot(v, v);
-    return l2 > 1e-12 ? v * inversesqrt(l2) : other;
+    return normalize(v + 2e-5 * other);
 }
 
 //@ chunk hbil_diffuse

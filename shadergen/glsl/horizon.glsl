@@ -232,8 +232,8 @@ vec2 hbil_bent(float nx, float ny, float cf, float cb) {
 #if HBIL_SEED_COMPAT_UNIFORM_BENT
     return 0.5 * vec2(hbil_arc(cf) - hbil_arc(cb), 2.0 - cf * cf - cb * cb);
 #else
-    float sf2 = max(1.0 - cf * cf, 0.0);
-    float sb2 = max(1.0 - cb * cb, 0.0);
+    float sf2 = 1.0 - cf * cf;
+    float sb2 = 1.0 - cb * cb;
     float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);
     float c3 = cf * cf * cf + cb * cb * cb;
     return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;

@@ -384,7 +384,7 @@ static void fill_tiny(const hbil_plan *plan, int index, extreme_frame *out)
     camera c = camera_of(plan);
     const double n[3] = { 0, 0, 1 }, z = index ? 1.5 : 1.01e-9;
     int p;
-    if (index) c.shift[0] = 3e6;
+    if (index && plan->config.projection == HBIL_PROJECTION_PERSPECTIVE) c.fov = 2e-4, c.shift[0] = 5e8;
     else c.fov = plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC ? 2e-6 : 2e-4;
     frames_begin(plan, out, &c, 0);
     for (p = 0; p < WIDTH * HEIGHT; ++p)
