@@ -11,7 +11,7 @@ FUZZ_SECONDS ?= 60
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long bounds long-run leaks clean
+.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long bounds long-run leaks mutate clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -28,6 +28,7 @@ help:
 	@echo 'make bounds  rounding errors of each output at the ends of distance, field of view, reach and slices, into README.md'
 	@echo 'make long-run 36000 frames of a moving camera on both backends, six configs: no drift, no leak, no NaN; an hour'
 	@echo 'make leaks   all programs under sanitizers and valgrind, on both backends; ten minutes'
+	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; an hour on two cores'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
@@ -105,6 +106,12 @@ marches:
 	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
 	$(COMPILE) --target hbil-marches
 	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-marches --out README.md
+
+mutate:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-mutate
+	@$(BUILD)/bin/hbil-mutate
 
 # What test "search" does for seconds. PIXELS=N: fewer or more.
 fuzz-long:

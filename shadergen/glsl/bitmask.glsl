@@ -11,7 +11,7 @@ struct hbil_fan {
     hbil_side back;
 #endif
     float ny;
-    float light_front; // of each side, open
+    float light_front; // of each side, open: above 0, as ny is at least HBIL_LEAST_NY
     float light_back;
     float jitter;      // common to all edges: the expected number of sectors is exact
 };
@@ -30,8 +30,8 @@ hbil_fan hbil_fan_of(hbil_receiver r, hbil_side front, hbil_side back, float jit
     f.back = back;
 #endif
     f.ny = r.ny;
-    f.light_front = max(hbil_edge_light(front.nx, r.ny, front.c0), 0.0);
-    f.light_back = max(hbil_edge_light(back.nx, r.ny, back.c0), 0.0);
+    f.light_front = hbil_edge_light(front.nx, r.ny, front.c0);
+    f.light_back = hbil_edge_light(back.nx, r.ny, back.c0);
     f.jitter = jitter;
     return f;
 }
@@ -41,15 +41,15 @@ hbil_fan hbil_fan_of(hbil_receiver r, hbil_side front, hbil_side back, float jit
 int hbil_edge(hbil_fan f, hbil_side s, bool is_back, float c) {
     if (c <= s.c0) return is_back ? 0 : 32;
     float light = hbil_edge_light(s.nx, f.ny, c);
-    float u = (f.light_back + (is_back ? -light : light)) / max(f.light_front + f.light_back, 1e-20);
-    return clamp(int(floor(32.0 * u + f.jitter)), 0, 32);
+    float u = (f.light_back + (is_back ? -light : light)) / (f.light_front + f.light_back);
+    return clamp(int(32.0 * u + f.jitter), 0, 32);
 }
 
 //@ chunk hbil_bits
-// Sectors from edge `low` to edge `high`. A shift by 32 is undefined, hence the detours.
+// Sectors from edge `low` to edge `high`. None: a shift by 32 would be undefined.
 uint hbil_bits(int low, int high) {
     int count = high - low;
-    return count > 0 ? (0xffffffffu >> uint(32 - max(count, 1))) << uint(min(low, 31)) : 0u;
+    return count > 0 ? (0xffffffffu >> uint(32 - count)) << uint(low) : 0u;
 }
 
 //@ chunk hbil_lit_bits
@@ -74,7 +74,7 @@ vec2 hbil_turn(hbil_fan f, int edge) {
     bool is_back = light < 0.0;
     float nx = is_back ? f.back.nx : f.front.nx;
     float c0 = is_back ? f.back.c0 : f.front.c0;
-    float all = max(is_back ? f.light_back : f.light_front, 1e-20);
+    float all = is_back ? f.light_back : f.light_front;
     float goal = sqrt(clamp(1.0 - abs(light) / all, 0.0, 1.0));
     float c = mix(c0, 1.0, goal);
     for (int i = 0; i < 3; ++i) {
@@ -112,7 +112,7 @@ hbil_span hbil_span_to(hbil_fan f, vec2 edge) {
     to.moments = 0.5 * vec2(hbil_arc(c), side * (1.0 - c) * (1.0 + c));
 #endif
 #if HBIL_BENT || HBIL_FAR_BITS
-    float s2 = max((1.0 - c) * (1.0 + c), 0.0);
+    float s2 = (1.0 - c) * (1.0 + c);
     float s3 = s2 * sqrt(s2);
     to.bent = vec2(side * f.front.nx * (c * c * c - 3.0 * c + 2.0) + f.ny * s3,
         f.front.nx * s3 + side * f.ny * (1.0 - c * c * c)) / 3.0;
@@ -273,7 +273,7 @@ void hbil_fill_swept(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, int
 // Light of the environment through a group of free sectors. energy: their share of a Lambertian surface's light;
 // bent: their cosine-weighted directions in the space of the passes; r: the receiver.
 vec3 hbil_far_arc(hbil_receiver r, float energy, vec3 bent) {
-    vec3 d = hbil_to_world(hbil_direction(bent / max(energy, 1e-20), r.n));
+    vec3 d = hbil_to_world(hbil_direction(bent / energy, r.n));
 #if HBIL_ENVIRONMENT_CUBE
     return energy * hbil_finite(textureLod(u_sky, d, 0.0).rgb);
 #elif HBIL_ENVIRONMENT_HOOK

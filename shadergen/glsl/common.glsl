@@ -71,7 +71,7 @@ vec3 hbil_finite(vec3 radiance) {
 // Two numbers in [-1, 1] as 16 bits each. GLSL 3.30 has no packSnorm2x16.
 uint hbil_pack_snorm(vec2 v) {
 #if HBIL_STAGE_FRAGMENT
-    ivec2 i = ivec2(floor(clamp(v, -1.0, 1.0) * 32767.0 + 0.5));
+    ivec2 i = ivec2(floor(v * 32767.0 + 0.5));
     return uint(i.x & 65535) | (uint(i.y) << 16);
 #else
     return packSnorm2x16(v);
@@ -81,7 +81,7 @@ uint hbil_pack_snorm(vec2 v) {
 //@ chunk hbil_unpack_snorm
 vec2 hbil_unpack_snorm(uint code) {
 #if HBIL_STAGE_FRAGMENT
-    return clamp(vec2(ivec2(int(code) << 16, int(code)) >> 16) / 32767.0, -1.0, 1.0);
+    return vec2(ivec2(int(code) << 16, int(code)) >> 16) / 32767.0;
 #else
     return unpackSnorm2x16(code);
 #endif
@@ -117,9 +117,7 @@ vec3 hbil_load_normal(ivec2 p) {
 //@ chunk hbil_direction
 // Unit vector along v, a bent vector; more and more along `other` where so little is left of v that it is rounding.
 vec3 hbil_direction(vec3 v, vec3 other) {
-    v += 2e-5 * other;
-    float l2 = dot(v, v);
-    return l2 > 1e-12 ? v * inversesqrt(l2) : other;
+    return normalize(v + 2e-5 * other);
 }
 
 //@ chunk hbil_diffuse

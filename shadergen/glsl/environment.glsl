@@ -79,7 +79,7 @@ vec3 hbil_cone_bands(float t) {
 // Cosine of the half angle of the cone about its normal that has this cosine-weighted visibility.
 float hbil_cone_cosine(float ao) {
 #if HBIL_SEED_COMPAT_CONE_RELATION
-    return clamp(1.0 - ao, 0.0, 1.0); // the relation of uniform visibility
+    return 1.0 - ao; // the relation of uniform visibility
 #else
     return sqrt(clamp(1.0 - ao, 0.0, 1.0));
 #endif

@@ -20,7 +20,7 @@ float hbil_attenuation(float distance) {
 // the tangent plane; it knows no horizon.
 float hbil_hidden(hbil_receiver r, hbil_side s) {
 #if HBIL_ESTIMATOR_HBAO
-    float c = min(s.c0 + HBIL_ANGLE_BIAS, 1.0);
+    float c = s.c0 + HBIL_ANGLE_BIAS;
 #endif
     float hidden = 0.0;
     hbil_visit at = hbil_start(r);
@@ -30,7 +30,7 @@ float hbil_hidden(hbil_receiver r, hbil_side s) {
         vec3 h = hbil_position(at.pixel, at.z) - r.position;
         float distance = sqrt(max(dot(h, h), 1e-30));
 #if HBIL_ESTIMATOR_HBAO
-        float rise = max(clamp(dot(h, r.v) / distance, -1.0, 1.0) - c, 0.0);
+        float rise = max(dot(h, r.v) / distance - c, 0.0);
         c += rise;
 #else
         float rise = clamp(dot(r.n, h) / distance - HBIL_ANGLE_BIAS, 0.0, 1.0);

@@ -127,7 +127,7 @@ void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, floa
         inout hbil_light light) {
     float z = hbil_load_depth(q);
     float rise = step.to_nearness - step.from_nearness;
-    float t = rise > 0.0 && rise < 1e29 ? clamp((hbil_nearness(z) - step.from_nearness) / rise, 0.0, 1.0) : 1.0;
+    float t = rise > 0.0 ? clamp((hbil_nearness(z) - step.from_nearness) / rise, 0.0, 1.0) : 1.0;
     vec3 h = hbil_position(step.to - (1.0 - t) * step.way, z) - r.position;
     vec3 along = h * inversesqrt(max(dot(h, h), 1e-30));
     float low = c;
@@ -143,7 +143,7 @@ void hbil_add_corner(hbil_receiver r, hbil_side s, hbil_step step, ivec2 q, floa
 // Light through the arc between the horizons c and c_sample: each ray gets that of the nearest of the four corners that
 // stand in front of it.
 void hbil_add_cell(hbil_receiver r, hbil_side s, hbil_step step, float c, float c_sample, inout hbil_light light) {
-    ivec2 q = ivec2(floor(step.to));
+    ivec2 q = ivec2(step.to);
     vec2 f = step.to - floor(step.to) - 0.5;
     ivec2 x = ivec2(f.x < 0.0 ? -1 : 1, 0);
     ivec2 y = ivec2(0, f.y < 0.0 ? -1 : 1);
@@ -232,8 +232,8 @@ vec2 hbil_bent(float nx, float ny, float cf, float cb) {
 #if HBIL_SEED_COMPAT_UNIFORM_BENT
     return 0.5 * vec2(hbil_arc(cf) - hbil_arc(cb), 2.0 - cf * cf - cb * cb);
 #else
-    float sf2 = max(1.0 - cf * cf, 0.0);
-    float sb2 = max(1.0 - cb * cb, 0.0);
+    float sf2 = 1.0 - cf * cf;
+    float sb2 = 1.0 - cb * cb;
     float s3 = sf2 * sqrt(sf2) - sb2 * sqrt(sb2);
     float c3 = cf * cf * cf + cb * cb * cb;
     return vec2(nx * (c3 - 3.0 * (cf + cb) + 4.0) + ny * s3, nx * s3 + ny * (2.0 - c3)) / 3.0;

@@ -207,7 +207,7 @@ float hbil_belongs(hbil_surface s, ivec2 q, float gap) {
     if (z >= HBIL_SKY) return 0.0;
     float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));
     vec2 turn = hbil_unpack_snorm(texelFetch(u_view_normal, q, 0).r) - s.code;
-    return clamp(1.0 - off / (HBIL_FILTER_PLANE * gap * s.pixel), 0.0, 1.0)
+    return clamp(1.0 - off / max(HBIL_FILTER_PLANE * gap * s.pixel, 1e-30), 0.0, 1.0)
         * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);
 }
 
