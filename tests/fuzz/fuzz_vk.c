@@ -140,10 +140,11 @@ static VKAPI_ATTR void VKAPI_CALL GetPhysicalDeviceProperties(VkPhysicalDevice p
 }
 static VKAPI_ATTR void VKAPI_CALL GetPhysicalDeviceQueueFamilyProperties(VkPhysicalDevice p, uint32_t *n, VkQueueFamilyProperties *out)
 {
+    *n = 1;
+    if (!out) return; /* asked for the number */
     memset(out, 0, sizeof *out);
     out->queueFlags = VK_QUEUE_COMPUTE_BIT;
     out->timestampValidBits = 64;
-    *n = 1;
 }
 static VKAPI_ATTR void VKAPI_CALL GetPhysicalDeviceMemoryProperties(VkPhysicalDevice p, VkPhysicalDeviceMemoryProperties *out)
 {

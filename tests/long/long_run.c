@@ -309,6 +309,7 @@ static int run_part(run *r, int circle)
 #define DRIFT_MAX 1e-4       /* of a mean over half a walk, against that over the other half, beside what noise explains */
 #define RESIDENT_MAX 2097152 /* bytes that either part may grow by, once it is warm */
 #define HEAP_MAX 0.5         /* bytes a frame: what malloc has given out tells more than pages do */
+#define HEAP_ONCE 8192.0 /* that a driver may take once, now or then */
 #define APART_MAX 1e-5       /* of a number in equal frames, of 1 + its value, where histories never become equal */
 
 /* The first round that counts, of so many. */
@@ -381,7 +382,7 @@ static int report(const run *r)
     if (!(first->near > 0.0) || !(first->ao > 0.0)) ok = complain("no light, or no visibility: nothing was measured");
     if (r->unlike_first) ok = complain("after the reset, frames are not those of a fresh start");
     if (!r->settled && !(r->most <= v.apart)) ok = complain("frames that should be equal are not");
-    if (MEMORY && (v.resident > RESIDENT_MAX || (double)v.heap > HEAP_MAX * r->walk + 1024.0)) ok = complain("memory grows");
+    if (MEMORY && (v.resident > RESIDENT_MAX || (double)v.heap > HEAP_MAX * r->walk + HEAP_ONCE)) ok = complain("memory grows");
     return ok;
 }
 
