@@ -5,13 +5,13 @@ JOBS     ?= $(shell nproc 2>/dev/null || echo 2)
 PACKAGES ?= sh packages.sh
 CMAKE    ?= cmake
 CTEST    ?= ctest
+FUZZ_SECONDS ?= 60
 
 # Ninja where it is, but never another generator than the one a build folder began with. Asked after the packages are in.
 CONFIGURE = $(CMAKE) -S . -B $(BUILD) $$(test -e $(BUILD)/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
 COMPILE   = $(CMAKE) --build $(BUILD) --parallel $(JOBS)
 
-.PHONY: help demo viewer test embed bench report record table marches fuzz-long mutate clean
-
+.PHONY: help demo viewer test embed bench report record table marches fuzz fuzz-long bounds long-run leaks mutate clean
 
 help:
 	@echo 'make demo    install lacking Debian packages, build, light a scene on Vulkan and GL; pictures and a table in out/demo'
@@ -24,6 +24,10 @@ help:
 	@echo 'make table   errors and times of every preset on every capture, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make marches errors and times of every march, side by side, into README.md; minutes; wants HBIL_CAPTURES=DIR'
 	@echo 'make fuzz-long random configs on random frames, 100 million pixels on Vulkan and GL; hours; cases of failures in out/search; HBIL_SEED=N'
+	@echo 'make fuzz    libFuzzer on every input that comes from outside; FUZZ_SECONDS=N each ($(FUZZ_SECONDS)), FUZZ_TARGETS="config exr ..."'
+	@echo 'make bounds  rounding errors of each output at the ends of distance, field of view, reach and slices, into README.md'
+	@echo 'make long-run 36000 frames of a moving camera on both backends, six configs: no drift, no leak, no NaN; an hour'
+	@echo 'make leaks   all programs under sanitizers and valgrind, on both backends; ten minutes'
 	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; an hour on two cores'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
@@ -118,5 +122,33 @@ fuzz-long:
 	@LP_NUM_THREADS=$${LP_NUM_THREADS:-16} $(BUILD)/bin/hbil-search --pixels $(or $(PIXELS),100000000) --failures 100 \
 	    --backend vulkan,vulkan,gl --out out/search
 
+# Its programs want clang, so a folder of their own. See tests/fuzz/README.md.
+fuzz:
+	@$(PACKAGES) test
+	$(CMAKE) -S . -B build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DHBIL_BUILD_TESTS=ON -DHBIL_FUZZ=ON
+	$(CMAKE) --build build-fuzz --parallel $(JOBS) --target fuzz
+	@sh tests/fuzz/run.sh $(CURDIR)/build-fuzz/bin $(CURDIR)/tests/fuzz/corpus $(CURDIR)/build-fuzz/fuzz-work $(FUZZ_SECONDS) $(FUZZ_TARGETS)
+
+bounds:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-bounds
+	@$(BUILD)/bin/hbil-bounds --out README.md
+
+long-run:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target hbil-long-run
+	@LP_NUM_THREADS=$${LP_NUM_THREADS:-2} $(BUILD)/bin/hbil-long-run
+
+leaks:
+	@$(PACKAGES) test
+	$(CONFIGURE) -DHBIL_BUILD_TESTS=ON
+	$(COMPILE) --target forgetful shadergen hbil-emit hbil-frame
+	$(CMAKE) -S . -B build-sanitize -DCMAKE_BUILD_TYPE=Debug -DHBIL_SANITIZE=ON -DHBIL_BUILD_TESTS=ON \
+	    $$(test -e build-sanitize/CMakeCache.txt || ! command -v ninja >/dev/null || echo -G Ninja)
+	$(CMAKE) --build build-sanitize --parallel $(JOBS) --target forgetful shadergen hbil-frame hbil-viewer hbil-tradeoff hbil-long-run
+	@sh tests/long/leaks.sh $(BUILD)/bin build-sanitize/bin
+
 clean:
-	rm -rf $(BUILD) build-debug build-sanitize out/demo
+	rm -rf $(BUILD) build-debug build-sanitize build-fuzz out/demo

@@ -19,7 +19,7 @@
  * CONTENTS     search for the anchors
  *   >>does  >>steps  >>switches  >>conventions  >>outputs  >>methods  >>frames  >>promises  >>targets      the manual
  *   >>api                                                                 declarations
- *   >>tables  >>glsl  >>sink  >>words  >>config  >>filter  >>plan  >>emit  >>manifest  >>frame  >>public   implementation
+ *   >>tables  >>glsl  >>sink  >>words  >>config  >>filter  >>plan  >>emit  >>manifest  >>frame  >>check  >>public   implementation
  *
  * ======================================================================================================================
  * >>does
@@ -61,7 +61,7 @@
  *   depth      linear: metres along the view axis, positive in front of the eye. device: the depth buffer's value v in
  *              [0, 1]. With d = v (reversed) or 1 - v (forward): perspective 1/depth = d (1/near - 1/far) + 1/far,
  *              orthographic depth = d (near - far) + far.
- *   sky        linear: depth >= sky_depth, below 1e-9 or negative (perspective), or NaN. device: v is the clear value 1 (forward) or 0
+ *   sky        linear: depth >= sky_depth, below 1e-9 m (perspective) or NaN. device: v is the clear value 1 (forward) or 0
  *              (reversed). A sky pixel occludes nothing and gives no light; it gets ao, uniform_ao, specular_occlusion and
  *              multi_bounce 1, composite direct, all else 0.
  *   normals    unit, pointing away from the surface, in view or world space, in the channels that normal_encoding says: signed
@@ -566,6 +566,9 @@ HBIL_API uint64_t    hbil_config_hash(const hbil_config *config);
 
 /* Build passes, textures and uniform block. *out is written whole, so plans compare with memcmp. E_CONFIG */
 HBIL_API hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, hbil_diags *diags);
+/* May a plan that was edited, stored or sent be followed: is each count, index and number of it inside its table? E_ARG if not; diags
+ * name the place. emit_*, pack_constants and the backends refuse other plans; hbil_null.h proves that a plan is right, too. */
+HBIL_API hbil_result hbil_plan_check(const hbil_plan *plan, hbil_diags *diags);
 /* Index of a texture or pass by name, -1 if the plan has none. */
 HBIL_API int32_t     hbil_plan_texture(const hbil_plan *plan, const char *name);
 HBIL_API int32_t     hbil_plan_pass(const hbil_plan *plan, const char *name);
@@ -1513,7 +1516,7 @@ static const struct { uint8_t access, age; const char *name; int named; } hbil__
     { 0, 0, "", 0 }, { HBIL_ACCESS_SAMPLE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 }, { HBIL_ACCESS_WRITE, 0, "u_", 1 },
     { HBIL_ACCESS_SAMPLE, 1, "u_last_", 1 }, { HBIL_ACCESS_SAMPLE, 0, "u_from", 0 }, { HBIL_ACCESS_WRITE, 0, "u_to", 0 } };
 static const char *const hbil__role_names[] = { "", "sample", "write", "update", "last", "from", "to" };
-static const char *const hbil__access_names[] = { "", "sample", "write" };
+static const char *const hbil__access_names[] = { "", "sample", "write", "sample+write" };
 static const char *const hbil__life_names[] = { "", "input", "output", "transient", "history" };
 
 /* ======================================================================
@@ -2210,6 +2213,15 @@ static const char hbil__glsl_slice_hbil_fade[] =
 "    return clamp((1.0 - distance / HBIL_REACH) / HBIL_FALLOFF, 0.0, 1.0);\n"
 "}\n"
 "#endif\n";
+static const char hbil__glsl_slice_hbil_normal_at[] =
+"// Normal of the surface that a sample sees. The middle of a coarser texel may lie beyond the screen.\n"
+"vec3 hbil_normal_at(hbil_visit at) {\n"
+"#if HBIL_MIPS\n"
+"    return hbil_load_normal(min(ivec2(at.pixel), HBIL_SIZE - 1));\n"
+"#else\n"
+"    return hbil_load_normal(ivec2(at.pixel));\n"
+"#endif\n"
+"}\n";
 static const char hbil__glsl_slice_hbil_load_radiance[] =
 "vec3 hbil_load_radiance(ivec2 p) {\n"
 "    vec3 radiance = hbil_finite(texelFetch(u_radiance, p, 0).rgb);\n"
@@ -2243,7 +2255,7 @@ static const char hbil__glsl_slice_hbil_source[] =
 "// Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is\n"
 "// not what lights the receiver: the last light that was accepted stands in.\n"
 "vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {\n"
-"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));\n"
+"    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_normal_at(at), along));\n"
 "    accepted = mix(accepted, hbil_radiance_at(at), t);\n"
 "    return accepted;\n"
 "}\n"
@@ -2368,7 +2380,7 @@ static const char hbil__glsl_horizon_hbil_add_arc[] =
 "#endif\n"
 "    vec2 arc = vec2(c, higher);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);\n"
+"    arc = hbil_lit(r, s, hbil_normal_at(at), arc);\n"
 "#endif\n"
 "#if HBIL_OCCLUDER_HEURISTIC\n"
 "    float before = hbil_weight(s.nx, r.ny, s.c0, c);\n"
@@ -2497,7 +2509,7 @@ static const char hbil__glsl_horizon_hbil_horizon[] =
 "#if HBIL_GATHER_SIDE && HBIL_GATHER\n"
 "    light.mean = hbil_radiance_at(top);\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));\n"
+"    vec2 arc = hbil_lit(r, s, hbil_normal_at(top), vec2(s.c0, c));\n"
 "    light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);\n"
 "#endif\n"
 "#endif\n"
@@ -2667,7 +2679,7 @@ static const char hbil__glsl_bitmask_hbil_turn[] =
 "    float c = mix(c0, 1.0, goal);\n"
 "    for (int i = 0; i < 3; ++i) {\n"
 "        float root = sqrt(clamp(1.0 - hbil_edge_light(nx, f.ny, c) / all, 1e-12, 1.0));\n"
-"        float slope = nx * sqrt((1.0 - c) * (1.0 + c)) + f.ny * c;\n"
+"        float slope = nx * sqrt(max((1.0 - c) * (1.0 + c), 0.0)) + f.ny * c;\n"
 "        c = clamp(c + 2.0 * (goal - root) * root * all / max(slope, 1e-6), c0, 1.0);\n"
 "    }\n"
 "    return vec2(is_back ? -1.0 : 1.0, edge == (is_back ? 0 : 32) ? c0 : c);\n"
@@ -2818,7 +2830,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "            vec3 radiance = hbil_radiance_at(at);\n"
 "#endif\n"
 "#if HBIL_FACING_HALF_SPACE\n"
-"            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));\n"
+"            fresh &= hbil_lit_bits(r, f, hbil_normal_at(at));\n"
 "#endif\n"
 "            hbil_add_bits(r, f, fresh, radiance, sum);\n"
 "        }\n"
@@ -3411,11 +3423,11 @@ static const char hbil__glsl_last_hbil_find[] =
 "    t.weights = vec4(0.0);\n"
 "    t.all = 0.0;\n"
 "    t.frames = 0.0;\n"
-"    if (HBIL_RESET != 0) return t;\n"
 "    vec3 there = hbil_move(HBIL_LAST_FROM_VIEW, position);\n"
 "    vec2 pixel = hbil_last_pixel(p, there);\n"
-"    // written so that NaN is off the screen, too\n"
-"    if (!(all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0)))) return t;\n"
+"    // written so that NaN is off the screen, too. A branch on uniforms alone makes lavapipe compile anew in each frame\n"
+"    bool seen = all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0));\n"
+"    if (!seen || HBIL_RESET != 0) return t;\n"
 "#if HBIL_PROJECTION_PERSPECTIVE\n"
 "    if (there.z <= 0.0) return t;\n"
 "#endif\n"
@@ -3657,9 +3669,9 @@ static const char hbil__glsl_shrink_main[] =
 static const char hbil__glsl_scatter_main[] =
 "void main() {\n"
 "    ivec2 p = hbil_texel();\n"
-"    if (any(greaterThanEqual(p, HBIL_SIZE))) return;\n"
-"    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
-"    if (HBIL_RESET != 0) return;\n"
+"    bool inside = all(lessThan(p, HBIL_SIZE));\n"
+"    if (inside) imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));\n"
+"    if (!inside || HBIL_RESET != 0) return; // in one condition: see hbil_find\n"
 "    ivec2 to;\n"
 "    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger\n"
@@ -3669,6 +3681,7 @@ static const char hbil__glsl_scatter_main[] =
 static const char hbil__glsl_claim_main[] =
 "void main() {\n"
 "    ivec2 p = hbil_texel();\n"
+"    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;\n"
 "    ivec2 to;\n"
 "    float z;\n"
 "    for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y)\n"
@@ -3778,9 +3791,10 @@ static const char hbil__glsl_reproject_hbil_last_light[] =
 "    }\n"
 "    if (t.all > 0.0) return sum / t.all;\n"
 "#if HBIL_REPROJECT_SCATTER\n"
-"    if (HBIL_RESET == 0) return hbil_pull(p, z);\n"
-"#endif\n"
+"    return hbil_pull(p, z); // after a reset nothing was pushed\n"
+"#else\n"
 "    return vec3(0.0);\n"
+"#endif\n"
 "}\n";
 static const char hbil__glsl_reproject_main[] =
 "void main() {\n"
@@ -4693,6 +4707,7 @@ static const struct { const char *name, *file, *text; } hbil__chunks[] = {
     { "HBIL_FINE", "slice", hbil__glsl_slice_HBIL_FINE },
     { "hbil_go", "slice", hbil__glsl_slice_hbil_go },
     { "hbil_fade", "slice", hbil__glsl_slice_hbil_fade },
+    { "hbil_normal_at", "slice", hbil__glsl_slice_hbil_normal_at },
     { "hbil_load_radiance", "slice", hbil__glsl_slice_hbil_load_radiance },
     { "hbil_radiance_at", "slice", hbil__glsl_slice_hbil_radiance_at },
     { "HBIL_FILTER_LOW", "slice", hbil__glsl_slice_HBIL_FILTER_LOW },
@@ -4940,6 +4955,13 @@ static void hbil__put_float(hbil__sink *s, float v, int point)
     if (point && n <= e + 1) hbil__puts(s, ".0");
 }
 
+/* The same for any float: what is not in that range is out of every option's. */
+static void hbil__put_any_float(hbil__sink *s, float v)
+{
+    if (v > -1e16f && v < 1e16f) hbil__put_float(s, v, 0);
+    else hbil__puts(s, v == v ? "huge" : "nan");
+}
+
 static hbil_result hbil__sink_close(hbil__sink *s, size_t *need)
 {
     if (s->cap) s->buf[s->size < s->cap ? s->size : s->cap - 1] = 0;
@@ -5106,8 +5128,8 @@ static void hbil__put_value(hbil__sink *s, int32_t option, hbil__value v)
     const char *w;
     size_t n;
     int i, some = 0;
-    if (o->kind == HBIL_KIND_FLOAT) { hbil__put_float(s, v.f, 0); return; }
-    if (o->kind == HBIL_KIND_INT || (o->kind == HBIL_KIND_CHOICE && !hbil__word_at(o->choices, v.i - 1, &w, &n))) {
+    if (o->kind == HBIL_KIND_FLOAT) { hbil__put_any_float(s, v.f); return; }
+    if (o->kind == HBIL_KIND_INT || (o->kind == HBIL_KIND_CHOICE && (v.i < 1 || !hbil__word_at(o->choices, v.i - 1, &w, &n)))) {
         hbil__put_int(s, v.i);
         return;
     }
@@ -5842,11 +5864,12 @@ static void hbil__put_meaning(hbil__sink *s, int32_t option)
     hbil__puts(s, "\n");
 }
 
-static const char *hbil__uniform_meaning(const char *name)
+/* -1: there is none */
+static int32_t hbil__uniform_row(const char *name)
 {
-    int32_t i = 0;
-    while (strcmp(hbil__uniforms[i].name, name)) ++i;
-    return hbil__uniforms[i].meaning;
+    int32_t i = HBIL__COUNT(hbil__uniforms);
+    while (i-- > 0 && strcmp(hbil__uniforms[i].name, name)) { }
+    return i;
 }
 
 static void hbil__emit_block(hbil__sink *s, const hbil_plan *p)
@@ -5868,7 +5891,7 @@ static void hbil__emit_block(hbil__sink *s, const hbil_plan *p)
             continue;
         }
         hbil__puts(s, " // ");
-        hbil__puts(s, hbil__uniform_meaning(k->name));
+        hbil__puts(s, hbil__uniforms[hbil__uniform_row(k->name)].meaning);
         hbil__puts(s, "\n");
     }
     hbil__puts(s, "};\n\n");
@@ -5948,7 +5971,7 @@ static size_t hbil__token(const char **at)
     if (!*s) return 0;
     if (*s == '#') {
         for (n = 1; s[n] && s[n] != '\n'; ++n)
-            if (s[n] == '\\' && s[n + 1]) n += s[n + 1] == '\r' ? 2 : 1; /* the line goes on */
+            if (s[n] == '\\' && s[n + 1]) n += s[n + 1] == '\r' && s[n + 2] ? 2 : 1; /* the line goes on */
         return n;
     }
     for (n = 0; hbil__is_word(s[n]); ++n) { }
@@ -6032,10 +6055,11 @@ static void hbil__emit_hook(hbil__sink *s, const char *hook)
     hbil__puts(s, " 0\n\n");
 }
 
+/* -1: a pass of yours, which has no text here */
 static int32_t hbil__pass_row(const char *name)
 {
-    int32_t i = 0;
-    while (strcmp(hbil__passes[i].name, name)) ++i;
+    int32_t i = HBIL__COUNT(hbil__passes);
+    while (i-- > 0 && strcmp(hbil__passes[i].name, name)) { }
     return i;
 }
 
@@ -6398,8 +6422,7 @@ static int hbil__pack_option(const hbil_plan *p, const hbil_frame *f, int32_t op
     if (hbil__get(f->live, option).u) *out = hbil__get(f->live, option);
     if (hbil__in_range(option, *out)) return 1;
     if (hbil__options[option].kind == HBIL_KIND_INT) hbil__put_int(&s, out->i);
-    else if (out->f > -1e16f && out->f < 1e16f) hbil__put_float(&s, out->f, 0);
-    else hbil__puts(&s, out->f == out->f ? "huge" : "nan");
+    else hbil__put_any_float(&s, out->f);
     hbil__sink_close(&s, NULL);
     hbil__say_range(diags, "live.", option, text, s.size);
     return 0;
@@ -6444,7 +6467,116 @@ static int hbil__pack_one(const hbil_plan *p, const hbil_frame *f, const hbil__c
     } else if (!hbil__pack_environment(f, k->name, v.f, diags)) {
         return 0;
     }
+    if (k->type != HBIL_TYPE_INT && k->type != HBIL_TYPE_UINT && k->type != HBIL_TYPE_IVEC2 && !hbil__all_finite(v.f, hbil__types[k->type].size / 4))
+        return hbil__frame_fault(diags, "frame: numbers beyond what a float holds make ", k->name);
     memcpy(out + k->offset, &v, hbil__types[k->type].size);
+    return 1;
+}
+
+/* ======================================================================
+ * >>check      plans that others have had in their hands
+ * ====================================================================== */
+
+/* Terminated, and fit for comments and JSON? */
+static int hbil__is_name(const char *s, size_t cap)
+{
+    size_t n = 0;
+    while (n < cap && s[n] >= ' ' && s[n] <= '~' && s[n] != '"' && s[n] != '\\') ++n;
+    return n > 0 && n < cap && s[n] == 0;
+}
+
+/* "plan: texture ao: format is no hbil_format; ..." name: of so many bytes, or NULL. */
+static int hbil__plan_fault(hbil_diags *diags, const char *table, uint32_t index, const char *name, size_t cap, const char *what)
+{
+    hbil__sink s;
+    hbil__report(diags, HBIL_ERROR, -1, &s);
+    hbil__puts(&s, "plan: ");
+    hbil__puts(&s, table);
+    if (*table) hbil__puts(&s, " ");
+    if (name && hbil__is_name(name, cap)) hbil__puts(&s, name);
+    else if (*table) hbil__put_int(&s, index);
+    if (*table) hbil__puts(&s, ": ");
+    hbil__puts(&s, what);
+    hbil__puts(&s, "; build it anew by hbil_plan_build");
+    hbil__sink_close(&s, NULL);
+    return 0;
+}
+
+/* Resolved values: what text and arithmetic take for granted. */
+static int hbil__check_config(const hbil_config *c, hbil_diags *diags)
+{
+    int32_t i;
+    for (i = 0; i < HBIL__COUNT(hbil__options); ++i)
+        if (!hbil__in_range(i, hbil__get(c, i))) return hbil__plan_fault(diags, "option", (uint32_t)i, hbil__options[i].name, 32, "out of its range");
+    return 1;
+}
+
+static int hbil__check_texture(const hbil_texture *t, uint32_t index, hbil_diags *diags)
+{
+    const char *fault = "";
+    if (!hbil__is_name(t->name, sizeof t->name)) fault = "no name";
+    else if (t->format < HBIL_FORMAT_ANY || t->format >= HBIL_FORMAT_COUNT) fault = "format is no hbil_format";
+    else if (t->life < HBIL_LIFE_INPUT || t->life > HBIL_LIFE_HISTORY) fault = "life is no hbil_life";
+    else if (t->format == HBIL_FORMAT_ANY && t->life != HBIL_LIFE_INPUT) fault = "any format, but no input";
+    else if (t->dim < HBIL_DIM_2D || t->dim > HBIL_DIM_3D) fault = "dim is no hbil_dim";
+    else if (!t->div || !t->copies) fault = "div and copies must be at least 1";
+    else if (t->mips < 1 || t->mips > 15) fault = "mips must be in [1, 15]";
+    return !*fault || hbil__plan_fault(diags, "texture", index, t->name, sizeof t->name, fault);
+}
+
+static int hbil__check_pass(const hbil_plan *p, uint32_t index, hbil_diags *diags)
+{
+    const hbil_pass *pass = &p->passes[index];
+    const char *fault = "";
+    uint32_t b, k;
+    if (!hbil__is_name(pass->name, sizeof pass->name)) fault = "no name";
+    else if (!pass->group[0] || !pass->group[1]) fault = "group must be at least 1 x 1";
+    else if (pass->domain >= p->texture_count) fault = "domain is no texture";
+    else if (pass->grid > HBIL_GRID_LINES) fault = "grid is no hbil_grid";
+    else if (pass->grid == HBIL_GRID_LINES && !p->textures[pass->domain].layers) fault = "grid of lines over no layers";
+    else if (pass->constants > 1 || pass->hook > 1) fault = "constants and hook must be 0 or 1";
+    else if (pass->constants && !p->constants_size) fault = "it reads a uniform block of 0 bytes";
+    else if (pass->binding_count > HBIL_MAX_BINDINGS || pass->barrier_count > HBIL_MAX_BINDINGS) fault = "more bindings or barriers than fit";
+    for (b = 0; !*fault && b < pass->binding_count; ++b) {
+        const hbil_binding *x = &pass->bindings[b];
+        if (x->texture >= p->texture_count) fault = "a binding has no texture";
+        else if (x->access < HBIL_ACCESS_SAMPLE || x->access > HBIL_ACCESS_WRITE) fault = "access of a binding is no hbil_access";
+        else if (x->role < HBIL_ROLE_SAMPLE || x->role >= HBIL_ROLE_COUNT) fault = "role of a binding is no hbil_role";
+        else if (x->age >= p->textures[x->texture].copies) fault = "age of a binding is not below copies";
+        else if (x->mip >= p->textures[x->texture].mips) fault = "mip of a binding is not below mips";
+        else if (p->config.target == HBIL_TARGET_VULKAN && pass->constants && x->slot == p->constants_slot) fault = "a binding has the slot of the uniform block";
+        for (k = 0; k < b && !*fault; ++k)
+            if (x->slot == pass->bindings[k].slot && (p->config.target == HBIL_TARGET_VULKAN || x->access == pass->bindings[k].access))
+                fault = "two bindings have one slot";
+    }
+    for (b = 0; !*fault && b < pass->barrier_count; ++b) {
+        const hbil_barrier *x = &pass->barriers[b];
+        if (x->texture >= p->texture_count) fault = "a barrier has no texture";
+        else if (x->before < 1 || x->before > 3 || x->after < 1 || x->after > 3) /* both at once may be asked for */
+            fault = "before or after of a barrier is no hbil_access";
+    }
+    return !*fault || hbil__plan_fault(diags, "pass", index, pass->name, sizeof pass->name, fault);
+}
+
+/* The uniform block: inside its bytes, each member of the type that its name has. */
+static int hbil__check_block(const hbil_plan *p, hbil_diags *diags)
+{
+    uint32_t i;
+    if (p->constants_size > HBIL_CONSTANTS_MAX || p->constants_size % 16 || p->constant_count > HBIL_MAX_CONSTANTS)
+        return hbil__plan_fault(diags, "", 0, NULL, 0, "constants_size or constant_count is no size of a block");
+    for (i = 0; i < p->constant_count; ++i) {
+        const hbil_constant *k = &p->constants[i];
+        const char *fault = "";
+        int32_t row = -1;
+        if (!hbil__is_name(k->name, sizeof k->name)) fault = "no name";
+        else if (k->option < -1 || k->option >= HBIL__COUNT(hbil__options)) fault = "there is no such option";
+        else if (k->option < 0 && ((row = hbil__uniform_row(k->name)) < 0 || k->type != hbil__uniforms[row].type)) fault = "name and type fit no uniform";
+        else if (k->option >= 0 && (!hbil__options[k->option].dynamic || (k->type != HBIL_TYPE_INT && k->type != HBIL_TYPE_FLOAT)))
+            fault = "option and type fit no uniform";
+        else if (k->offset % hbil__types[k->type].align || (uint32_t)k->offset + hbil__types[k->type].size > p->constants_size)
+            fault = "outside of the block";
+        if (*fault) return hbil__plan_fault(diags, "constant", i, k->name, sizeof k->name, fault);
+    }
     return 1;
 }
 
@@ -6564,8 +6696,7 @@ static hbil_result hbil__resolve_values(hbil_config *c, hbil_diags *diags)
         if (hbil__in_range(i, v)) continue;
         if (hbil__options[i].kind == HBIL_KIND_SET) { hbil__puts(&s, "0x"); hbil__put_hex(&s, v.u); }
         else if (hbil__options[i].kind != HBIL_KIND_FLOAT) hbil__put_int(&s, v.i);
-        else if (v.f > -1e16f && v.f < 1e16f) hbil__put_float(&s, v.f, 0);
-        else hbil__puts(&s, v.f == v.f ? "huge" : "nan");
+        else hbil__put_any_float(&s, v.f);
         hbil__say_range(diags, "", i, text, s.size);
         result = HBIL_E_CONFIG;
     }
@@ -6649,6 +6780,9 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.slices == 1 && (hbil__symbol(&c, "HBIL_BENT", 9) || hbil__symbol(&c, "HBIL_FAR_BITS", 13)))
         hbil__say(diags, HBIL_WARNING, hbil_option_find("slices", 6, NULL), "slices=1: one slice leans a bent vector by up to 60 degrees",
                   "; filter it, or take 2 from which on an open surface is exact");
+    if (c.noise == HBIL_NOISE_IGN) /* make bounds */
+        hbil__say(diags, HBIL_NOTE, hbil_option_find("noise", 5, NULL), "noise=ign: rounding moves it, so ao differs by up to 3e-3 between devices",
+                  ", by .1 at 16384 pixels; hilbert_r2 is exact");
     if (c.bounces == HBIL_BOUNCES_RECURSIVE && c.facing == HBIL_FACING_NONE)
         hbil__say(diags, HBIL_NOTE, hbil_option_find("facing", 6, NULL), "facing=none with bounces=recursive: light of surfaces that face away adds up",
                   " from bounce to bounce; half_space cuts it off");
@@ -6725,12 +6859,25 @@ hbil_result hbil_plan_build(const hbil_config *config, hbil_plan *out, hbil_diag
     return HBIL_E_CONFIG;
 }
 
+hbil_result hbil_plan_check(const hbil_plan *plan, hbil_diags *diags)
+{
+    uint32_t i;
+    int ok;
+    if (!plan) return HBIL_E_ARG;
+    ok = plan->pass_count <= HBIL_MAX_PASSES && plan->texture_count <= HBIL_MAX_TEXTURES;
+    if (!ok) hbil__plan_fault(diags, "", 0, NULL, 0, "more passes or textures than fit");
+    ok = ok && hbil__check_config(&plan->config, diags) && hbil__check_block(plan, diags);
+    for (i = 0; ok && i < plan->texture_count; ++i) ok = hbil__check_texture(&plan->textures[i], i, diags);
+    for (i = 0; ok && i < plan->pass_count; ++i) ok = hbil__check_pass(plan, i, diags);
+    return ok ? HBIL_OK : HBIL_E_ARG;
+}
+
 int32_t hbil_plan_texture(const hbil_plan *plan, const char *name)
 {
     uint32_t i;
     if (!plan || !name) return -1;
     for (i = 0; i < plan->texture_count && i < HBIL_MAX_TEXTURES; ++i)
-        if (strcmp(plan->textures[i].name, name) == 0) return (int32_t)i;
+        if (strncmp(plan->textures[i].name, name, sizeof plan->textures[i].name) == 0) return (int32_t)i;
     return -1;
 }
 
@@ -6738,9 +6885,9 @@ int32_t hbil_plan_register(const hbil_plan *plan, int32_t pass, int32_t binding)
 {
     const hbil_pass *p;
     int32_t i, n = 0;
-    if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count) return -1;
+    if (!plan || pass < 0 || pass >= HBIL_MAX_PASSES || (uint32_t)pass >= plan->pass_count) return -1;
     p = &plan->passes[pass];
-    if (binding < 0 || binding >= p->binding_count) return -1;
+    if (binding < 0 || binding >= HBIL_MAX_BINDINGS || binding >= p->binding_count) return -1;
     for (i = 0; i < binding; ++i) n += p->bindings[i].access == p->bindings[binding].access;
     return n;
 }
@@ -6750,7 +6897,7 @@ int32_t hbil_plan_pass(const hbil_plan *plan, const char *name)
     uint32_t i;
     if (!plan || !name) return -1;
     for (i = 0; i < plan->pass_count && i < HBIL_MAX_PASSES; ++i)
-        if (strcmp(plan->passes[i].name, name) == 0) return (int32_t)i;
+        if (strncmp(plan->passes[i].name, name, sizeof plan->passes[i].name) == 0) return (int32_t)i;
     return -1;
 }
 
@@ -6760,6 +6907,7 @@ hbil_result hbil_plan_extent(const hbil_plan *plan, int32_t texture, uint32_t wi
     if (!plan || !out || texture < 0 || texture >= HBIL_MAX_TEXTURES || (uint32_t)texture >= plan->texture_count) return HBIL_E_ARG;
     if (width < 1 || width > 16384 || height < 1 || height > 16384) return HBIL_E_ARG;
     div = plan->textures[texture].div;
+    if (!div) return HBIL_E_ARG;
     out[0] = (width + div - 1) / div;
     out[1] = (height + div - 1) / div;
     return HBIL_OK;
@@ -6774,6 +6922,7 @@ uint64_t hbil_plan_memory(const hbil_plan *plan, uint32_t width, uint32_t height
         const hbil_texture *t = &plan->textures[i];
         if (hbil_plan_extent(plan, (int32_t)i, width, height, wh) != HBIL_OK) return 0;
         if (t->life < HBIL_LIFE_TRANSIENT) continue;
+        if (t->mips > 15) return 0;
         for (m = 0; m < t->mips; ++m) {
             uint64_t w = wh[0] >> m ? wh[0] >> m : 1, h = wh[1] >> m ? wh[1] >> m : 1;
             sum += w * h * t->copies * t->layers * hbil_format_bytes((hbil_format)t->format);
@@ -6788,10 +6937,15 @@ hbil_result hbil_plan_frame(const hbil_plan *plan, const hbil_frame *frame, hbil
     if (!plan || !frame || !out) return HBIL_E_ARG;
     w = frame->width ? frame->width : (uint32_t)plan->config.width;
     h = frame->height ? frame->height : (uint32_t)plan->config.height;
-    if (w < 1 || w > 16384 || h < 1 || h > 16384) return HBIL_E_ARG;
+    if (w < 1 || w > 16384 || h < 1 || h > 16384 || plan->pass_count > HBIL_MAX_PASSES) return HBIL_E_ARG;
+    for (i = 0; i < plan->pass_count; ++i) { /* all of them first: on E_ARG out stays as it was */
+        const hbil_pass *pass = &plan->passes[i];
+        if (hbil_plan_extent(plan, pass->domain, w, h, wh) != HBIL_OK || !pass->group[0] || !pass->group[1]) return HBIL_E_ARG;
+        if (pass->grid == HBIL_GRID_LINES && (plan->config.sweep_stride < 1 || plan->config.sweep_stride > 16384)) return HBIL_E_ARG;
+    }
     for (i = 0; i < plan->pass_count; ++i) {
         const hbil_pass *pass = &plan->passes[i];
-        if (hbil_plan_extent(plan, pass->domain, w, h, wh) != HBIL_OK) return HBIL_E_ARG;
+        hbil_plan_extent(plan, pass->domain, w, h, wh);
         if (pass->grid == HBIL_GRID_LINES) {
             uint32_t stride = (uint32_t)plan->config.sweep_stride, lines = wh[0] > wh[1] ? wh[0] : wh[1];
             wh[0] = (lines + stride - 1) / stride * stride;
@@ -6811,9 +6965,11 @@ hbil_result hbil_emit_glsl_hook(const hbil_plan *plan, int32_t pass, const char 
     hbil__used used;
     int32_t row;
     if (!plan || pass < 0 || (uint32_t)pass >= plan->pass_count || (!buf && cap)) return HBIL_E_ARG;
+    if (hbil_plan_check(plan, diags) != HBIL_OK) return HBIL_E_ARG;
+    row = hbil__pass_row(plan->passes[pass].name);
+    if (row < 0) return HBIL_E_ARG;
     if (!plan->passes[pass].hook) hook = NULL;
     else if (!hbil__hook_fits(hook, diags)) return HBIL_E_HOOK;
-    row = hbil__pass_row(plan->passes[pass].name);
     hbil__scan_pass(&plan->config, row, &used);
     hbil__emit_header(&s, plan, pass, row);
     hbil__emit_bindings(&s, plan, &plan->passes[pass]);
@@ -6833,7 +6989,7 @@ hbil_result hbil_emit_vertex(const hbil_plan *plan, char *buf, size_t cap, size_
 {
     hbil__sink s = hbil__sink_open(buf, cap);
     int32_t i;
-    if (!plan || !hbil__draws(plan) || (!buf && cap)) return HBIL_E_ARG;
+    if (!plan || !hbil__draws(plan) || (!buf && cap) || hbil_plan_check(plan, NULL) != HBIL_OK) return HBIL_E_ARG;
     hbil__put_version(&s, plan);
     for (i = 0; i < HBIL__COUNT(hbil__chunks); ++i)
         if (strcmp(hbil__chunks[i].name, "vertex") == 0) hbil__puts(&s, hbil__chunks[i].text);
@@ -6844,7 +7000,7 @@ hbil_result hbil_emit_manifest(const hbil_plan *plan, char *buf, size_t cap, siz
 {
     hbil__sink s = hbil__sink_open(buf, cap);
     uint32_t i;
-    if (!plan || (!buf && cap)) return HBIL_E_ARG;
+    if (!plan || (!buf && cap) || hbil_plan_check(plan, NULL) != HBIL_OK) return HBIL_E_ARG;
     hbil__puts(&s, "{\n  ");
     hbil__json_int(&s, "schema", 1, 1);
     hbil__json_int(&s, "version", HBIL_VERSION, 0);
@@ -6871,6 +7027,7 @@ hbil_result hbil_pack_constants(const hbil_plan *plan, const hbil_frame *frame, 
     unsigned char block[HBIL_CONSTANTS_MAX];
     uint32_t i;
     if (!plan || !frame || (!buf && cap)) return HBIL_E_ARG;
+    if (!hbil__check_config(&plan->config, diags) || !hbil__check_block(plan, diags)) return HBIL_E_ARG;
     if (!hbil__read_camera(plan, frame, diags, &camera)) return HBIL_E_FRAME;
     memset(block, 0, sizeof block);
     for (i = 0; i < plan->constant_count; ++i)

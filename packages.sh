@@ -18,8 +18,10 @@ build="$build glslang-dev spirv-tools spirv-headers libspirv-cross-c-shared-dev 
 build="$build libvulkan-dev libvulkan1 libvulkan-volk-dev mesa-vulkan-drivers"
 # GL: headers; OSMesa and EGL are opened at run time, libgl1-mesa-dri is EGL's driver
 build="$build libgl-dev libegl-dev libosmesa6 libegl1 libgl1-mesa-dri"
-# a second compiler, the test runner, validation, locales with a decimal comma, GLFW beside hbil.h
-test='clang libcmocka-dev vulkan-validationlayers locales libglfw3-dev'
+# a second compiler and its sanitizers and libFuzzer, the test runner, validation, locales with a decimal comma, GLFW beside hbil.h
+test='clang libclang-rt-14-dev libcmocka-dev vulkan-validationlayers locales libglfw3-dev'
+# what is lost, read too far or never written: tests/long/leaks.sh
+test="$test valgrind"
 # hbil-viewer and hbil-ogre, and a display for their tests
 test="$test libassimp-dev libogre-1.12-dev xvfb xauth"
 # pictures of what a sweep has measured; fonts for them

@@ -56,6 +56,11 @@
  *                                    saved, and stands in all afterwards
  *   A current program that you have already deleted cannot be put back, since GL frees it when it stops being current: 0 is
  *   current afterwards. Call hbil_gl_run outside transform feedback and conditional rendering, which GL applies to it too.
+ *   Faults: what fails says so by its result, and by hbil_gl.message what failed and what to do. After a failed init nothing is
+ *   left; after a failed resize hbil_gl_run is refused until one succeeds. A context that is lost, or not current on the calling
+ *   thread, answers no question: hbil_gl_resize and hbil_gl_run ask one, and return E_CONTEXT. What glGetGraphicsResetStatus would
+ *   say stays for you. hbil_gl_shutdown then only forgets, since GL has freed all with the context; begin anew on a new one.
+ *   Threads: one hbil_gl on one context, that is current on one thread; any number of such at once.
  *   glGetError is never called while all goes well, so errors of yours stay pending. Where a GL call of ours fails (a texture
  *   of another target, no memory), its error is taken off again and the message shows it; one of yours that was pending then goes
  *   with it, since GL keeps the first only.
@@ -90,6 +95,8 @@
  *      hbil_gl_shutdown(&gl);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-28  NEW   a lost context, objects that cannot be made and a uniform block without memory are reported; targets of
+ *                     stage=fragment are counted against what the driver has
  *   2026-11-25  NEW   target=gles; stage=fragment; outputs on ES have to be made by glTexStorage, which is checked
  *   2026-11-25  NEW   frames smaller than the textures; the first frame after a resize has no history
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook
@@ -133,7 +140,7 @@ extern "C" {
     X(E_SPACE,    "scratch buffer too small")                               \
     X(E_COMPILE,  "the driver rejects a shader")                            \
     X(E_TEXTURE,  "a texture of yours is missing, too small or of the wrong kind") \
-    X(E_MEMORY,   "a texture of ours cannot be made")                       \
+    X(E_MEMORY,   "a GL object of ours cannot be made")                     \
     X(E_FRAME,    "frame does not fit the plan or the last resize")
 #define HBIL_GL__RESULT_ENUM(name, text) HBIL_GL_##name,
 typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESULT_COUNT } hbil_gl_result;
@@ -202,6 +209,8 @@ typedef enum hbil_gl_result { HBIL_GL_RESULTS(HBIL_GL__RESULT_ENUM) HBIL_GL_RESU
     X(ALWAYS,   void,           genSamplers,              "glGenSamplers",             (int count, unsigned *samplers))     \
     X(ALWAYS,   void,           genTextures,              "glGenTextures",             (int count, unsigned *textures))     \
     X(DRAW,     void,           genVertexArrays,          "glGenVertexArrays",         (int count, unsigned *arrays))       \
+    X(ALWAYS,   void,           getBufferParameteriv,     "glGetBufferParameteriv",    (unsigned target, unsigned name,     \
+                                                                                     int *value))                           \
     X(DESKTOP,  void,           getBooleani_v,            "glGetBooleani_v",           (unsigned name, unsigned index,      \
                                                                                      unsigned char *values))                \
     X(DRAW,     void,           getBooleanv,              "glGetBooleanv",             (unsigned name,                      \
@@ -306,14 +315,15 @@ HBIL_GL_API const char *hbil_gl_result_name(hbil_gl_result result);
 /* GL internal format of a plan's format, GL_R32F...; 0 for HBIL_FORMAT_ANY and outside the enum. */
 HBIL_GL_API unsigned hbil_gl_format(hbil_format format);
 /* Load functions, compile all passes. *ctx is overwritten: shut down a live one first. On failure nothing is left to free.
- * E_ARG, E_CONTEXT, E_FUNCTION, E_PLAN, E_SPACE, E_COMPILE */
+ * E_ARG, E_CONTEXT, E_FUNCTION, E_PLAN, E_SPACE, E_COMPILE, E_MEMORY */
 HBIL_GL_API hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx);
 /* Set the render size and your textures: textures[i] is a GL name where plan texture i is INPUT or OUTPUT, others are not
  * read. width, height: as in hbil_frame. On failure hbil_gl_run is refused until a resize succeeds.
- * E_ARG, E_TEXTURE, E_MEMORY */
+ * E_ARG, E_CONTEXT, E_TEXTURE, E_MEMORY */
 HBIL_GL_API hbil_gl_result hbil_gl_resize(hbil_gl *ctx, uint32_t width, uint32_t height,
                                           const unsigned textures[HBIL_MAX_TEXTURES]);
-/* Issue all passes of one frame. Does not wait, unless timings were asked for. E_ARG, E_FRAME */
+/* Issue all passes of one frame. Does not wait, unless timings were asked for. On failure none was issued.
+ * E_ARG, E_CONTEXT, E_FRAME, E_MEMORY */
 HBIL_GL_API hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame);
 /* ms[plan.pass_count]: milliseconds of each pass in the last hbil_gl_run. E_ARG: not asked for at init */
 HBIL_GL_API hbil_gl_result hbil_gl_timings(hbil_gl *ctx, double *ms);
@@ -363,7 +373,7 @@ enum {
     HBIL_GL__CURRENT_PROGRAM = 0x8B8D, HBIL_GL__PROGRAM = 0x82E2, HBIL_GL__TEXTURE = 0x1702,
     HBIL_GL__TEXTURE_FETCH_BARRIER_BIT = 0x08, HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT = 0x20,
     HBIL_GL__MAX_COMBINED_TEXTURE_IMAGE_UNITS = 0x8B4D, HBIL_GL__MAX_IMAGE_UNITS = 0x8F38,
-    HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F,
+    HBIL_GL__MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F, HBIL_GL__MAX_DRAW_BUFFERS = 0x8824, HBIL_GL__BUFFER_SIZE = 0x8764,
     HBIL_GL__VERSION = 0x1F02, HBIL_GL__TIMESTAMP = 0x8E28, HBIL_GL__TEXTURE_IMMUTABLE_FORMAT = 0x912F,
     HBIL_GL__FRAGMENT_SHADER = 0x8B30, HBIL_GL__VERTEX_SHADER = 0x8B31, HBIL_GL__TRIANGLES = 0x0004,
     HBIL_GL__DRAW_FRAMEBUFFER = 0x8CA9, HBIL_GL__DRAW_FRAMEBUFFER_BINDING = 0x8CA6, HBIL_GL__COLOR_ATTACHMENT0 = 0x8CE0,
@@ -422,17 +432,17 @@ static hbil_gl_result hbil_gl__check_version(hbil_gl *ctx)
     static const char *const least[2][2] = { { "4.3", "3.3" }, { "3.1", "3.0" } };
     const char *version = (const char *)ctx->gl.getString(HBIL_GL__VERSION), *number, *need = least[ctx->es][ctx->draws];
     const char *kind = ctx->es ? "OpenGL ES" : "desktop OpenGL";
-    int es;
+    int es, major = 0, minor = 0;
     if (!version)
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "no GL context is current on this thread: make yours current "
                              "before hbil_gl_init");
     es = strncmp(version, "OpenGL ES ", 10) == 0;
     number = version + (es ? 10 : 0);
-    if (es != ctx->es || number[0] < '0' || number[0] > '9')
+    if (sscanf(number, "%d.%d", &major, &minor) != 2 || es != ctx->es)
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is \"%.100s\", not %s: ask for %s %s%s, or build the plan with "
                              "target=%s", version, kind, ctx->es ? kind : "OpenGL", need, ctx->es ? "" : " core", es ? "gles" : "gl");
-    if (es && number[0] == '3' && number[2] == '0') ctx->gl.getTexLevelParameteriv = NULL; /* some loaders know it, but it is of 3.1 */
-    if (number[0] < need[0] || (number[0] == need[0] && number[2] < need[2]))
+    if (es && major == 3 && minor == 0) ctx->gl.getTexLevelParameteriv = NULL; /* some loaders know it, but it is of 3.1 */
+    if (major < need[0] - '0' || (major == need[0] - '0' && minor < need[2] - '0'))
         return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the context is OpenGL \"%.100s\", %s need %s: ask for a %s%s context when you "
                              "create it, or update the driver%s", version, ctx->draws ? "these shaders" : "compute shaders", need,
                              need, ctx->es ? "" : " core", ctx->draws ? "" : ", or build the plan with stage=fragment");
@@ -474,10 +484,37 @@ static hbil_gl_result hbil_gl__check_plan_texture(hbil_gl *ctx, const hbil_textu
     if (t->copies < 1 || t->copies > HBIL_GL_MAX_COPIES)
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has %u copies: raise HBIL_GL_MAX_COPIES (%d)", t->name,
                              (unsigned)t->copies, HBIL_GL_MAX_COPIES);
+    if (t->copies > 1 && t->life <= HBIL_LIFE_OUTPUT)
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s is yours, of which there is one, and has %u copies: set 1", t->name,
+                             (unsigned)t->copies);
     if (t->dim < HBIL_DIM_2D || t->dim >= HBIL_GL__DIMS || t->layers < 1 || (t->life != HBIL_LIFE_INPUT && !flat) ||
         (t->dim == HBIL_DIM_2D && t->layers != 1))
         return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "texture %s has dim %u and %u layers: only inputs may be other than 2D of one "
                              "layer or 2D_ARRAY", t->name, (unsigned)t->dim, (unsigned)t->layers);
+    return HBIL_GL_OK;
+}
+
+/* Render targets of a pass, one a layer. */
+static int hbil_gl__target_count(const hbil_plan *plan, const hbil_pass *pass)
+{
+    int count = 0;
+    uint32_t i;
+    for (i = 0; i < pass->binding_count; ++i)
+        if (pass->bindings[i].access == HBIL_ACCESS_WRITE) count += plan->textures[pass->bindings[i].texture].layers;
+    return count;
+}
+
+/* ES 3.0 promises four targets, all others eight. */
+static hbil_gl_result hbil_gl__check_target_counts(hbil_gl *ctx)
+{
+    int targets = 0;
+    uint32_t i;
+    ctx->gl.getIntegerv(HBIL_GL__MAX_DRAW_BUFFERS, &targets);
+    if (targets > HBIL_GL__TARGETS) targets = HBIL_GL__TARGETS;
+    for (i = 0; i < ctx->plan.pass_count; ++i)
+        if (hbil_gl__target_count(&ctx->plan, &ctx->plan.passes[i]) > targets)
+            return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "pass %s draws to %d targets at once, %d can be used here: ask for fewer outputs",
+                                 ctx->plan.passes[i].name, hbil_gl__target_count(&ctx->plan, &ctx->plan.passes[i]), targets);
     return HBIL_GL_OK;
 }
 
@@ -496,6 +533,7 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
     if (image_units > HBIL_GL_MAX_UNITS) image_units = HBIL_GL_MAX_UNITS;
     for (i = 0; i < plan->texture_count && result == HBIL_GL_OK; ++i)
         result = hbil_gl__check_plan_texture(ctx, &plan->textures[i]);
+    if (result == HBIL_GL_OK && ctx->draws) result = hbil_gl__check_target_counts(ctx);
     if (result != HBIL_GL_OK) return result;
     for (i = 0; i < plan->pass_count; ++i)
         for (k = 0; k < plan->passes[i].binding_count; ++k) {
@@ -509,8 +547,8 @@ static hbil_gl_result hbil_gl__check_plan(hbil_gl *ctx)
             if (!write) ctx->texture_units[plan->textures[b->texture].dim] |= 1u << b->slot;
         }
     if (plan->constants_slot >= (uint32_t)uniform_bindings)
-        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the uniform block is at binding %u, the context has %d",
-                             (unsigned)plan->constants_slot, uniform_bindings);
+        return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "the uniform block is at binding %u, the context has %d: update "
+                             "the driver", (unsigned)plan->constants_slot, uniform_bindings);
     return HBIL_GL_OK;
 }
 
@@ -541,21 +579,37 @@ static void hbil_gl__name_units(hbil_gl *ctx, uint32_t index)
     gl->useProgram(gl->isProgram((unsigned)old) ? (unsigned)old : 0);
 }
 
+static hbil_gl_result hbil_gl__no_object(hbil_gl *ctx, const char *what)
+{
+    return hbil_gl__fail(ctx, HBIL_GL_E_MEMORY, "%s cannot be made (GL error 0x%04x): out of memory, or the context is lost: free some, "
+                         "or make a new context", what, ctx->gl.getError());
+}
+
+/* Behind what message[] says already. */
+static hbil_gl_result hbil_gl__add_log(hbil_gl *ctx, unsigned object, void (HBIL_GL_CALL *log)(unsigned, int, int *, char *))
+{
+    size_t used = strlen(ctx->message);
+    log(object, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+    if (!ctx->message[used])
+        snprintf(ctx->message + used, sizeof ctx->message - used, "the driver does not say why (GL error 0x%04x). Update it, or give it "
+                 "memory", ctx->gl.getError());
+    return HBIL_GL_E_COMPILE;
+}
+
 /* The driver's log goes straight behind the pass name in message[], cut to what fits: the first error comes first. */
 static hbil_gl_result hbil_gl__add_shader(hbil_gl *ctx, uint32_t pass, unsigned kind, const char *text)
 {
     const hbil_gl_functions *gl = &ctx->gl;
     unsigned shader = gl->createShader(kind);
     int compiled = 0;
-    size_t used;
+    if (!shader) return hbil_gl__no_object(ctx, "a shader");
     gl->shaderSource(shader, 1, &text, NULL);
     gl->compileShader(shader);
     gl->getShaderiv(shader, HBIL_GL__COMPILE_STATUS, &compiled);
     if (compiled) gl->attachShader(ctx->program[pass], shader);
     else {
         hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not compile: ", ctx->plan.passes[pass].name);
-        used = strlen(ctx->message);
-        gl->getShaderInfoLog(shader, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
+        hbil_gl__add_log(ctx, shader, gl->getShaderInfoLog);
     }
     gl->deleteShader(shader); /* lives on inside the program */
     return compiled ? HBIL_GL_OK : HBIL_GL_E_COMPILE;
@@ -568,8 +622,8 @@ static hbil_gl_result hbil_gl__compile(hbil_gl *ctx, uint32_t pass, const char *
     unsigned program = gl->createProgram();
     hbil_gl_result result;
     int linked = 0;
-    size_t used;
     ctx->program[pass] = program;
+    if (!program) return hbil_gl__no_object(ctx, "a program");
     result = hbil_gl__add_shader(ctx, pass, ctx->draws ? HBIL_GL__FRAGMENT_SHADER : HBIL_GL__COMPUTE_SHADER, text);
     if (result == HBIL_GL_OK && ctx->draws) {
         char vertex[512];
@@ -582,9 +636,7 @@ static hbil_gl_result hbil_gl__compile(hbil_gl *ctx, uint32_t pass, const char *
     gl->getProgramiv(program, HBIL_GL__LINK_STATUS, &linked);
     if (!linked) {
         hbil_gl__fail(ctx, HBIL_GL_E_COMPILE, "pass %s does not link: ", name);
-        used = strlen(ctx->message);
-        gl->getProgramInfoLog(program, (int)(sizeof ctx->message - used), NULL, ctx->message + used);
-        return HBIL_GL_E_COMPILE;
+        return hbil_gl__add_log(ctx, program, gl->getProgramInfoLog);
     }
     if (ctx->draws) hbil_gl__name_units(ctx, pass);
     if (gl->objectLabel) gl->objectLabel(HBIL_GL__PROGRAM, program, -1, name);
@@ -631,6 +683,40 @@ static void hbil_gl__delete_textures(hbil_gl *ctx)
     memset(ctx->texture, 0, sizeof ctx->texture);
     ctx->width = ctx->height = 0;
     ctx->runnable = 0;
+}
+
+/* All that is no program. */
+static hbil_gl_result hbil_gl__make_objects(hbil_gl *ctx)
+{
+    int i, missing = 0;
+    uint32_t p;
+    ctx->gl.genBuffers(1, &ctx->buffer);
+    ctx->gl.genSamplers(2, ctx->samplers);
+    if (ctx->draws) {
+        ctx->gl.genVertexArrays(1, &ctx->vertex_array);
+        ctx->gl.genFramebuffers((int)ctx->plan.pass_count, ctx->framebuffer);
+    }
+    for (p = 0; p < ctx->plan.pass_count && ctx->draws; ++p) missing |= !ctx->framebuffer[p];
+    if (missing || !ctx->buffer || !ctx->samplers[0] || !ctx->samplers[1] || (ctx->draws && !ctx->vertex_array))
+        return hbil_gl__no_object(ctx, "a buffer, a sampler or a framebuffer");
+    for (i = 0; i < 2; ++i) {
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MIN_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MAG_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_S, HBIL_GL__CLAMP_TO_EDGE);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_T, HBIL_GL__CLAMP_TO_EDGE);
+        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_R, HBIL_GL__CLAMP_TO_EDGE);
+    }
+    return HBIL_GL_OK;
+}
+
+/* A context that is lost, or not current, changes no value that it is asked for. */
+static hbil_gl_result hbil_gl__check_context(hbil_gl *ctx)
+{
+    int unit = -1;
+    ctx->gl.getIntegerv(HBIL_GL__ACTIVE_TEXTURE, &unit);
+    if (unit != -1) return HBIL_GL_OK;
+    return hbil_gl__fail(ctx, HBIL_GL_E_CONTEXT, "the GL context does not answer: make it current on this thread; if it is, it is lost: "
+                         "make a new one, and init again");
 }
 
 /* ---------------------------------------------------------------------------------------------------------- resize */
@@ -735,6 +821,7 @@ static hbil_gl_result hbil_gl__make_texture(hbil_gl *ctx, uint32_t index, const 
     for (copy = 0; copy < t->copies; ++copy) {
         unsigned name = ctx->texture[index][copy];
         int width = (int)extent[0];
+        if (!name) return hbil_gl__no_object(ctx, "a texture");
         gl->bindTexture(target, name);
         hbil_gl__allocate(ctx, t, (int)extent[0], (int)extent[1]);
         if (gl->getTexLevelParameteriv) gl->getTexLevelParameteriv(target, 0, HBIL_GL__TEXTURE_WIDTH, &width);
@@ -938,6 +1025,19 @@ static void hbil_gl__restore(const hbil_gl *ctx, const hbil_gl__state *s)
     if (ctx->draws) hbil_gl__restore_draw(ctx, s);
 }
 
+/* A new data store each frame: last frame's may still be in use, and nobody has to wait for it. That there is none shows in its
+ * size, which needs no glGetError on success. */
+static int hbil_gl__write_constants(hbil_gl *ctx, const void *block)
+{
+    int size = 0;
+    ctx->gl.bindBufferBase(HBIL_GL__UNIFORM_BUFFER, ctx->plan.constants_slot, ctx->buffer);
+    ctx->gl.bufferData(HBIL_GL__UNIFORM_BUFFER, (ptrdiff_t)ctx->plan.constants_size, block, HBIL_GL__STREAM_DRAW);
+    ctx->gl.getBufferParameteriv(HBIL_GL__UNIFORM_BUFFER, HBIL_GL__BUFFER_SIZE, &size);
+    if ((uint32_t)size == ctx->plan.constants_size) return 1;
+    hbil_gl__no_object(ctx, "the uniform block");
+    return 0;
+}
+
 static void hbil_gl__bind(const hbil_gl *ctx, const hbil_binding *b, uint32_t frame)
 {
     const hbil_gl_functions *gl = &ctx->gl;
@@ -969,9 +1069,10 @@ static void hbil_gl__dispatch(const hbil_gl *ctx, uint32_t index, uint32_t frame
         gl->drawArrays(HBIL_GL__TRIANGLES, 0, 3);
         return;
     }
-    for (i = 0; i < pass->barrier_count; ++i)
-        bits |= pass->barriers[i].after == HBIL_ACCESS_WRITE ? HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT
-                                                             : HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    for (i = 0; i < pass->barrier_count; ++i) {
+        if (pass->barriers[i].after & HBIL_ACCESS_WRITE) bits |= HBIL_GL__SHADER_IMAGE_ACCESS_BARRIER_BIT;
+        if (pass->barriers[i].after & HBIL_ACCESS_SAMPLE) bits |= HBIL_GL__TEXTURE_FETCH_BARRIER_BIT;
+    }
     if (bits) gl->memoryBarrier(bits);
     gl->dispatchCompute(grid->groups[0], grid->groups[1], grid->groups[2]);
 }
@@ -1012,11 +1113,17 @@ unsigned hbil_gl_format(hbil_format format)
 hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
 {
     hbil_gl_result result;
-    int i;
+    hbil_diag diag;
+    hbil_diags diags;
     if (!ctx) return HBIL_GL_E_ARG;
     memset(ctx, 0, sizeof *ctx);
     if (!info || !info->plan || !info->get_proc || !info->scratch)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_init: plan, get_proc and scratch have to be given");
+    memset(&diag, 0, sizeof diag);
+    diags.items = &diag;
+    diags.capacity = 1;
+    diags.count = 0;
+    if (hbil_plan_check(info->plan, &diags) != HBIL_OK) return hbil_gl__fail(ctx, HBIL_GL_E_PLAN, "%s", diag.text);
     ctx->plan = *info->plan;
     ctx->timings = info->timings;
     ctx->es = ctx->plan.config.target == HBIL_TARGET_GLES;
@@ -1033,25 +1140,13 @@ hbil_gl_result hbil_gl_init(const hbil_gl_info *info, hbil_gl *ctx)
     }
     result = hbil_gl__check_plan(ctx);
     if (result == HBIL_GL_OK) result = hbil_gl__make_programs(ctx, info);
+    if (result == HBIL_GL_OK) result = hbil_gl__make_objects(ctx);
     if (result != HBIL_GL_OK) {
         char message[sizeof ctx->message];
         memcpy(message, ctx->message, sizeof message);
         hbil_gl_shutdown(ctx);
         memcpy(ctx->message, message, sizeof message);
         return result;
-    }
-    ctx->gl.genBuffers(1, &ctx->buffer);
-    ctx->gl.genSamplers(2, ctx->samplers);
-    if (ctx->draws) {
-        ctx->gl.genVertexArrays(1, &ctx->vertex_array);
-        ctx->gl.genFramebuffers((int)ctx->plan.pass_count, ctx->framebuffer);
-    }
-    for (i = 0; i < 2; ++i) {
-        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MIN_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
-        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_MAG_FILTER, i ? HBIL_GL__LINEAR : HBIL_GL__NEAREST);
-        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_S, HBIL_GL__CLAMP_TO_EDGE);
-        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_T, HBIL_GL__CLAMP_TO_EDGE);
-        ctx->gl.samplerParameteri(ctx->samplers[i], HBIL_GL__TEXTURE_WRAP_R, HBIL_GL__CLAMP_TO_EDGE);
     }
     return HBIL_GL_OK;
 }
@@ -1065,6 +1160,8 @@ hbil_gl_result hbil_gl_resize(hbil_gl *ctx, uint32_t width, uint32_t height, con
     if (!ctx->samplers[0] || !textures)
         return hbil_gl__fail(ctx, HBIL_GL_E_ARG, "hbil_gl_resize: hbil_gl_init has to succeed first, textures has to be given");
     ctx->runnable = 0;
+    result = hbil_gl__check_context(ctx);
+    if (result != HBIL_GL_OK) return result;
     if (!width) width = (uint32_t)ctx->plan.config.width;
     if (!height) height = (uint32_t)ctx->plan.config.height;
     for (i = 0; i < ctx->plan.texture_count; ++i)
@@ -1092,6 +1189,7 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
     if (width > ctx->width || height > ctx->height)
         return hbil_gl__fail(ctx, HBIL_GL_E_FRAME, "the frame is %u x %u, the last resize was %u x %u: call hbil_gl_resize",
                              (unsigned)width, (unsigned)height, (unsigned)ctx->width, (unsigned)ctx->height);
+    if (hbil_gl__check_context(ctx) != HBIL_GL_OK) return HBIL_GL_E_CONTEXT;
     now = *frame;
     if (ctx->fresh) now.reset = 1; /* our textures hold garbage */
     frame = &now;
@@ -1105,10 +1203,9 @@ hbil_gl_result hbil_gl_run(hbil_gl *ctx, const hbil_frame *frame)
                              diag.text[0] ? diag.text : "does not fit the plan");
     hbil_gl__save(ctx, &state);
     if (!state.seamless) ctx->gl.enable(HBIL_GL__TEXTURE_CUBE_MAP_SEAMLESS); /* as Vulkan has it always */
-    if (ctx->plan.constants_size) {
-        ctx->gl.bindBufferBase(HBIL_GL__UNIFORM_BUFFER, ctx->plan.constants_slot, ctx->buffer);
-        /* a new data store each frame: last frame's may still be in use, and nobody has to wait for it */
-        ctx->gl.bufferData(HBIL_GL__UNIFORM_BUFFER, (ptrdiff_t)ctx->plan.constants_size, block, HBIL_GL__STREAM_DRAW);
+    if (ctx->plan.constants_size && !hbil_gl__write_constants(ctx, block)) {
+        hbil_gl__restore(ctx, &state);
+        return HBIL_GL_E_MEMORY;
     }
     if (ctx->draws) hbil_gl__begin_draw(ctx);
     for (pass = 0; pass < ctx->plan.pass_count; ++pass) {

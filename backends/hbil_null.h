@@ -102,6 +102,11 @@ static int hbil_null__check_tables(hbil_null__walk *w)
         hbil_null__fault(w, -1, -1, "a count is larger than its table");
         return 0;
     }
+    for (i = 0; i < p->pass_count; ++i)
+        if (p->passes[i].grid == HBIL_GRID_LINES && (p->config.sweep_stride < 1 || p->config.sweep_stride > 16384)) {
+            hbil_null__fault(w, (int)i, -1, "grid of lines, but config.sweep_stride is out of range");
+            return 0;
+        }
     for (t = 0; t < p->texture_count; ++t) hbil_null__check_shape(w, (int)t);
     for (i = 0; i < p->pass_count; ++i) {
         const hbil_pass *pass = &p->passes[i];

@@ -14,6 +14,7 @@
  *   [x] Passes of your own in a plan: your SPIR-V, entry point and uniform block
  *   [x] The first frame after a resize begins without history
  *   [x] Frames smaller than the textures: resize once to the largest, then any frame.width and height up to it
+ *   [x] A texture of yours that is smaller than the plan says is refused before anything is recorded, if you give hbil_vk.extents
  *   [ ] Mip chains: no plan has them yet
  *   [ ] Transient textures that share memory
  *   [ ] Queue family transfers: record them around hbil_vk_record yourself
@@ -51,6 +52,17 @@
  *            for each frame; the first recording after a resize sets up our images.
  *   Idle     before hbil_vk_resize and hbil_vk_shutdown the device has finished all that was recorded.
  *   Record   outside a render pass. Leaves the compute pipeline and descriptor sets 0 and 1 of the compute bind point changed.
+ *   Threads  one hbil_vk, one thread at a time. Several, of one device too, on a thread each: all that they share is what Vulkan
+ *            lets threads share. Your queue, command pool and pipeline cache are yours to guard.
+ *
+ * Faults
+ *   Every call that can fail says so by its result, and by hbil_vk.message what failed, of which pass or texture, and what to do.
+ *   hbil_vk_init     nothing stays behind. Mend it, call again.
+ *   hbil_vk_resize   refused (E_ARG, E_TEXTURE) or failed (E_VULKAN, E_DEVICE): hbil_vk_record is refused until a resize succeeds.
+ *                    Refused keeps our images and their history.
+ *   hbil_vk_record   nothing was recorded. What it records cannot fail, but your vkEndCommandBuffer and vkQueueSubmit can: if a
+ *                    recording was not executed, set hbil_vk.fresh to 1, and the next one sets all up anew, without history.
+ *   Device lost      the fence, the submit or the next call here says so. hbil_vk_shutdown as ever; a new device; hbil_vk_init.
  *
  * Integration in five steps
  *   1. Plan: hbil_config c = {0}; hbil_plan_build(&c, &plan, &diags);
@@ -65,9 +77,17 @@
  *           VkImageView views[HBIL_MAX_TEXTURES] = {0};
  *           views[hbil_plan_texture(&plan, "depth")] = my_depth; ...
  *           hbil_vk_resize(&vk, width, height, views);
+ *      Vulkan does not tell the size of a view, and one that is too small reads as anything. Say it, and it is checked:
+ *           VkExtent3D extents[HBIL_MAX_TEXTURES] = {0};
+ *           extents[hbil_plan_texture(&plan, "depth")] = my_depth_extent; ...
+ *           vk.extents = extents;    before each resize
  *   5. Each frame, after your G-buffer: hbil_vk_record(&vk, cmd, &frame); submit as ever. At the end: hbil_vk_shutdown(&vk);
  *
  * Changelog (API: your code may need a change; EMIT; FIX; NEW)
+ *   2026-11-28  NEW   hbil_vk.extents, E_TEXTURE: views that are too small are refused; hbil_vk.fresh; messages name the VkResult and
+ *                     the pass or texture
+ *               API   after a resize that was refused, hbil_vk_record is refused too, until one succeeds
+ *               FIX   a Vulkan call that failed and left garbage in its handle made shutdown destroy that
  *   2026-11-27  NEW   hbil_vk_spirv.entry, hbil_vk.block; the nearest sampler clamps to the edge
  *   2026-11-25  NEW   frames smaller than the images; history needs no clearing
  *   2026-11-24  NEW   multisampled, array, cube and 3D textures; hook_layout, hook_set
@@ -98,7 +118,8 @@ extern "C" {
     X(E_DEVICE,    "device lacks what the plan needs")            \
     X(E_FRAME,     "frame does not fit the plan or the size")     \
     X(E_NOT_READY, "the device has not finished that recording")  \
-    X(E_VULKAN,    "a Vulkan call failed")
+    X(E_VULKAN,    "a Vulkan call failed")                        \
+    X(E_TEXTURE,   "a texture of yours is too small")
 #define HBIL_VK__RESULT_ENUM(name, text) HBIL_VK_##name,
 typedef enum hbil_vk_result { HBIL_VK_RESULTS(HBIL_VK__RESULT_ENUM) HBIL_VK_RESULT_COUNT } hbil_vk_result;
 
@@ -154,6 +175,10 @@ typedef struct hbil_vk {
     VkDescriptorSet hook_set;       /* you set it: bound as set 1 where hook_layout applies. Read by hbil_vk_record */
     const void *block;              /* you set it: NULL, or plan.constants_size bytes instead of those of hbil_pack_constants,
                                        for a plan whose block you changed. Read by hbil_vk_record */
+    const VkExtent3D *extents;      /* you set it: NULL, or of each view its size by plan texture; depth: layers of a 2D_ARRAY.
+                                       0: not told. Read by the next hbil_vk_resize, which sets it back to NULL */
+    int      fresh;                 /* 1: our images hold nothing: the next recording sets them up and begins without history.
+                                       A resize sets it, and you do if a recording was not executed */
 
     /* private */
     hbil_vk__functions           fn;
@@ -184,7 +209,7 @@ typedef struct hbil_vk {
     VkDeviceMemory               memory;
     VkImage                      images[HBIL_MAX_TEXTURES][HBIL_VK__COPIES];
     VkImageView                  views[HBIL_MAX_TEXTURES][HBIL_VK__COPIES];
-    int                          fresh;          /* images still in UNDEFINED */
+    int                          runnable;       /* the last resize succeeded */
 } hbil_vk;
 
 /* Static text, never NULL. */
@@ -195,7 +220,8 @@ HBIL_VK_API VkFormat       hbil_vk_format(hbil_format format);
 /* Make everything that does not depend on the size. On failure nothing stays behind but ctx->message. */
 HBIL_VK_API hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx);
 /* Make our images for the largest render size; take your view of each INPUT and OUTPUT, indexed by plan texture (other entries are not
- * read). The same size again only takes the views and keeps history. Device idle, see CONTRACT. */
+ * read). The same size again only takes the views and keeps history. Device idle, see Layouts and synchronisation.
+ * On failure hbil_vk_record is refused until a resize succeeds. */
 HBIL_VK_API hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height,
                                           const VkImageView views[HBIL_MAX_TEXTURES]);
 /* Record all passes of one frame. Options made dynamic are read from frame->live. On failure nothing was recorded. */
@@ -203,7 +229,7 @@ HBIL_VK_API hbil_vk_result hbil_vk_record(hbil_vk *ctx, VkCommandBuffer cmd, con
 /* Milliseconds of each pass of the last recording, after you waited for it; ms has plan->pass_count entries. Wait before you
  * record again: there is one set of timestamps. */
 HBIL_VK_API hbil_vk_result hbil_vk_timings(hbil_vk *ctx, double *ms);
-/* Free all that is ours. Fine after a failed init, and twice. Device idle, see CONTRACT. */
+/* Free all that is ours. Fine after a failed init, and twice. Device idle, see Layouts and synchronisation, or lost. */
 HBIL_VK_API void           hbil_vk_shutdown(hbil_vk *ctx);
 
 #ifdef __cplusplus
@@ -221,10 +247,16 @@ HBIL_VK_API void           hbil_vk_shutdown(hbil_vk *ctx);
 
 #define HBIL_VK__ZEROED(type, name) type name; memset(&name, 0, sizeof name)
 #define HBIL_VK__STRUCT(type, name, tag) HBIL_VK__ZEROED(type, name); name.sType = VK_STRUCTURE_TYPE_##tag
-/* Call a Vulkan function that can fail; return from here if it does. */
-#define HBIL_VK__TRY(ctx, name, args) do {                                              \
-        const VkResult result_ = (ctx)->fn.name args;                                   \
-        if (result_ != VK_SUCCESS) return hbil_vk__failed(ctx, "vk" #name, result_);    \
+/* Call a Vulkan function that can fail; return from here if it does. of: the name of the pass or texture, or NULL. */
+#define HBIL_VK__TRY(ctx, of, name, args) do {                                              \
+        const VkResult result_ = (ctx)->fn.name args;                                       \
+        if (result_ != VK_SUCCESS) return hbil_vk__failed(ctx, "vk" #name, of, result_);    \
+    } while (0)
+/* The same for one that makes *(out): a call that fails may leave anything there, and shutdown must not destroy that. */
+#define HBIL_VK__MAKE(ctx, of, name, out, args) do {                                        \
+        const VkResult result_ = (ctx)->fn.name args;                                       \
+        if (result_ != VK_SUCCESS) *(out) = VK_NULL_HANDLE;                                 \
+        if (result_ != VK_SUCCESS) return hbil_vk__failed(ctx, "vk" #name, of, result_);    \
     } while (0)
 
 #if defined(__GNUC__)
@@ -239,13 +271,30 @@ static hbil_vk_result hbil_vk__fail(hbil_vk *ctx, hbil_vk_result result, const c
     return result;
 }
 
-static hbil_vk_result hbil_vk__failed(hbil_vk *ctx, const char *call, VkResult result)
+/* Name of a VkResult and what to do about it. */
+static const char *hbil_vk__why(VkResult result)
 {
-    const char *why = "see its manual page; the validation layer tells more";
-    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) why = "out of device memory: render smaller, or free some";
-    if (result == VK_ERROR_OUT_OF_HOST_MEMORY) why = "out of host memory";
-    if (result == VK_ERROR_DEVICE_LOST) why = "device lost: make a new one";
-    return hbil_vk__fail(ctx, HBIL_VK_E_VULKAN, "%s returned VkResult %d: %s", call, (int)result, why);
+    switch ((int)result) { /* numbers: names that not every header has */
+    case VK_ERROR_OUT_OF_HOST_MEMORY:    return "VK_ERROR_OUT_OF_HOST_MEMORY: free some memory and call again";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:  return "VK_ERROR_OUT_OF_DEVICE_MEMORY: render smaller, or free some and call again";
+    case VK_ERROR_DEVICE_LOST:           return "VK_ERROR_DEVICE_LOST: shut down, make a new device, and begin anew with it";
+    case VK_ERROR_INITIALIZATION_FAILED: return "VK_ERROR_INITIALIZATION_FAILED: the driver gives up: check the SPIR-V with spirv-val, "
+                                                "or update the driver";
+    case -1000012000:                    return "VK_ERROR_INVALID_SHADER_NV: the driver rejects the SPIR-V: check it with spirv-val, or "
+                                                "update the driver";
+    case VK_ERROR_TOO_MANY_OBJECTS:      return "VK_ERROR_TOO_MANY_OBJECTS: free allocations or samplers of yours, of which a device has few";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:  return "VK_ERROR_FORMAT_NOT_SUPPORTED: change the options that ask for it";
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+    case VK_ERROR_FRAGMENTED_POOL:
+    case -1000161000: /* VK_ERROR_FRAGMENTATION */ return "the driver's pool is used up: shut down and begin anew";
+    default:                             return "see its manual page; the validation layer tells more";
+    }
+}
+
+static hbil_vk_result hbil_vk__failed(hbil_vk *ctx, const char *call, const char *of, VkResult result)
+{
+    return hbil_vk__fail(ctx, HBIL_VK_E_VULKAN, "%s%s%s returned VkResult %d: %s", call, of != NULL ? " of " : "",
+                         of != NULL ? of : "", (int)result, hbil_vk__why(result));
 }
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -274,8 +323,11 @@ static hbil_vk_result hbil_vk__check_info(hbil_vk *ctx, const hbil_vk_info *info
     if (info->instance == NULL || info->physical_device == NULL || info->device == NULL || info->get_proc == NULL)
         return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "set instance, physical_device, device and get_proc in hbil_vk_info");
     const hbil_plan *plan = info->plan;
-    if (plan == NULL || plan->pass_count == 0 || plan->pass_count > HBIL_MAX_PASSES || plan->texture_count > HBIL_MAX_TEXTURES)
+    if (plan == NULL || plan->pass_count == 0)
         return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "hbil_vk_info.plan is no built plan: call hbil_plan_build");
+    hbil_diag diag;
+    hbil_diags diags = { &diag, 1, 0 };
+    if (hbil_plan_check(plan, &diags) != HBIL_OK) return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "%s", diag.text);
     if ((int)plan->config.target != (int)HBIL_TARGET_VULKAN)
         return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "the plan was made for another target: build it with target=vulkan");
     if (info->input_layout != VK_IMAGE_LAYOUT_UNDEFINED && info->input_layout != VK_IMAGE_LAYOUT_GENERAL &&
@@ -301,7 +353,7 @@ static hbil_vk_result hbil_vk__check_texture(hbil_vk *ctx, const hbil_texture *t
         return hbil_vk__fail(ctx, HBIL_VK_E_PLAN, "texture %s has dim %u and %u layers: only inputs may be other than 2D of one "
                              "layer or 2D_ARRAY", tex->name, tex->dim, tex->layers);
     if (tex->layers > ctx->max_layers)
-        return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "texture %s has %u layers, the device allows %u", tex->name, tex->layers,
+        return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "texture %s has %u layers, the device allows %u: use fewer slices", tex->name, tex->layers,
                              ctx->max_layers);
     ctx->fn.GetPhysicalDeviceFormatProperties(physical_device, hbil_vk_format((hbil_format)tex->format), &format);
     if ((format.optimalTilingFeatures & need) != need)
@@ -326,14 +378,22 @@ static hbil_vk_result hbil_vk__check_passes(hbil_vk *ctx, const VkPhysicalDevice
 {
     for (uint32_t p = 0; p < ctx->plan.pass_count; ++p) {
         const hbil_pass *pass = &ctx->plan.passes[p];
+        const uint32_t samples = limits->maxPerStageDescriptorSamplers < limits->maxPerStageDescriptorSampledImages
+                               ? limits->maxPerStageDescriptorSamplers : limits->maxPerStageDescriptorSampledImages;
         uint32_t writes = 0;
         for (uint32_t b = 0; b < pass->binding_count; ++b) writes += pass->bindings[b].access == HBIL_ACCESS_WRITE;
+        if (pass->binding_count - writes > samples)
+            return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "pass %s samples %u textures, the device allows %u: use fewer inputs", pass->name,
+                                 pass->binding_count - writes, samples);
         if (writes > limits->maxPerStageDescriptorStorageImages)
             return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "pass %s writes %u images, the device allows %u: ask for fewer outputs",
                                  pass->name, writes, limits->maxPerStageDescriptorStorageImages);
-        if ((uint32_t)pass->group[0] * pass->group[1] > limits->maxComputeWorkGroupInvocations)
-            return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "pass %s has groups of %ux%u, the device allows %u invocations",
-                                 pass->name, pass->group[0], pass->group[1], limits->maxComputeWorkGroupInvocations);
+        if ((uint32_t)pass->group[0] * pass->group[1] > limits->maxComputeWorkGroupInvocations ||
+            pass->group[0] > limits->maxComputeWorkGroupSize[0] || pass->group[1] > limits->maxComputeWorkGroupSize[1])
+            return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "pass %s has groups of %ux%u, the device allows %u invocations, %ux%u: use "
+                                 "another device", pass->name, pass->group[0], pass->group[1],
+                                 limits->maxComputeWorkGroupInvocations, limits->maxComputeWorkGroupSize[0],
+                                 limits->maxComputeWorkGroupSize[1]);
     }
     return HBIL_VK_OK;
 }
@@ -343,9 +403,11 @@ static hbil_vk_result hbil_vk__check_device(hbil_vk *ctx, const hbil_vk_info *in
     enum { FAMILIES = 32 };
     HBIL_VK__ZEROED(VkPhysicalDeviceProperties, device);
     VkQueueFamilyProperties families[FAMILIES];
-    uint32_t family_count = FAMILIES;
+    uint32_t family_count = 0;
     ctx->fn.GetPhysicalDeviceProperties(info->physical_device, &device);
     ctx->fn.GetPhysicalDeviceMemoryProperties(info->physical_device, &ctx->memory_types);
+    ctx->fn.GetPhysicalDeviceQueueFamilyProperties(info->physical_device, &family_count, NULL);
+    if (family_count > FAMILIES) family_count = FAMILIES;
     ctx->fn.GetPhysicalDeviceQueueFamilyProperties(info->physical_device, &family_count, families);
     if (device.apiVersion < VK_API_VERSION_1_1)
         return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "device is Vulkan 1.0, SPIR-V 1.3 needs 1.1: use another device or driver");
@@ -368,7 +430,7 @@ static hbil_vk_result hbil_vk__check_device(hbil_vk *ctx, const hbil_vk_info *in
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /* Every resource has a device-local type among its own; types are sorted, so the first is the best. */
-static hbil_vk_result hbil_vk__allocate(hbil_vk *ctx, VkDeviceSize size, uint32_t types, VkDeviceMemory *out)
+static hbil_vk_result hbil_vk__allocate(hbil_vk *ctx, const char *what, VkDeviceSize size, uint32_t types, VkDeviceMemory *out)
 {
     HBIL_VK__STRUCT(VkMemoryAllocateInfo, info, MEMORY_ALLOCATE_INFO);
     info.allocationSize = size;
@@ -376,7 +438,7 @@ static hbil_vk_result hbil_vk__allocate(hbil_vk *ctx, VkDeviceSize size, uint32_
         const int local = (ctx->memory_types.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
         if (!local || !(types >> i & 1)) continue;
         info.memoryTypeIndex = i;
-        HBIL_VK__TRY(ctx, AllocateMemory, (ctx->device, &info, ctx->allocator, out));
+        HBIL_VK__MAKE(ctx, what, AllocateMemory, out, (ctx->device, &info, ctx->allocator, out));
         return HBIL_VK_OK;
     }
     return hbil_vk__fail(ctx, HBIL_VK_E_DEVICE, "no device-local memory type fits all of the plan's images: make them yourself");
@@ -386,25 +448,25 @@ static hbil_vk_result hbil_vk__make_common(hbil_vk *ctx, int timestamps)
 {
     HBIL_VK__STRUCT(VkSamplerCreateInfo, sampler, SAMPLER_CREATE_INFO); /* zero: nearest; ours only texelFetch through it */
     sampler.addressModeU = sampler.addressModeV = sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[0]));
+    HBIL_VK__MAKE(ctx, NULL, CreateSampler, &ctx->samplers[0], (ctx->device, &sampler, ctx->allocator, &ctx->samplers[0]));
     sampler.minFilter = sampler.magFilter = VK_FILTER_LINEAR; /* maxLod 0: level 0 */
-    HBIL_VK__TRY(ctx, CreateSampler, (ctx->device, &sampler, ctx->allocator, &ctx->samplers[1]));
+    HBIL_VK__MAKE(ctx, NULL, CreateSampler, &ctx->samplers[1], (ctx->device, &sampler, ctx->allocator, &ctx->samplers[1]));
     if (timestamps) {
         HBIL_VK__STRUCT(VkQueryPoolCreateInfo, queries, QUERY_POOL_CREATE_INFO);
         queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
         queries.queryCount = ctx->plan.pass_count + 1;
-        HBIL_VK__TRY(ctx, CreateQueryPool, (ctx->device, &queries, ctx->allocator, &ctx->queries));
+        HBIL_VK__MAKE(ctx, NULL, CreateQueryPool, &ctx->queries, (ctx->device, &queries, ctx->allocator, &ctx->queries));
     }
     if (ctx->plan.constants_size == 0) return HBIL_VK_OK;
     HBIL_VK__STRUCT(VkBufferCreateInfo, buffer, BUFFER_CREATE_INFO);
     buffer.size = ctx->plan.constants_size;
     buffer.usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    HBIL_VK__TRY(ctx, CreateBuffer, (ctx->device, &buffer, ctx->allocator, &ctx->constants));
+    HBIL_VK__MAKE(ctx, "the uniform block", CreateBuffer, &ctx->constants, (ctx->device, &buffer, ctx->allocator, &ctx->constants));
     VkMemoryRequirements need;
     ctx->fn.GetBufferMemoryRequirements(ctx->device, ctx->constants, &need);
-    const hbil_vk_result result = hbil_vk__allocate(ctx, need.size, need.memoryTypeBits, &ctx->constants_memory);
+    const hbil_vk_result result = hbil_vk__allocate(ctx, "the uniform block", need.size, need.memoryTypeBits, &ctx->constants_memory);
     if (result != HBIL_VK_OK) return result;
-    HBIL_VK__TRY(ctx, BindBufferMemory, (ctx->device, ctx->constants, ctx->constants_memory, 0));
+    HBIL_VK__TRY(ctx, "the uniform block", BindBufferMemory, (ctx->device, ctx->constants, ctx->constants_memory, 0));
     return HBIL_VK_OK;
 }
 
@@ -432,12 +494,12 @@ static hbil_vk_result hbil_vk__make_layouts(hbil_vk *ctx, uint32_t p)
         bindings[b].descriptorCount = 1;
         bindings[b].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
     }
-    HBIL_VK__TRY(ctx, CreateDescriptorSetLayout, (ctx->device, &set, ctx->allocator, &ctx->set_layouts[p]));
+    HBIL_VK__MAKE(ctx, pass->name, CreateDescriptorSetLayout, &ctx->set_layouts[p], (ctx->device, &set, ctx->allocator, &ctx->set_layouts[p]));
     HBIL_VK__STRUCT(VkPipelineLayoutCreateInfo, layout, PIPELINE_LAYOUT_CREATE_INFO);
     const VkDescriptorSetLayout sets[2] = { ctx->set_layouts[p], ctx->hook_layout };
     layout.setLayoutCount = pass->hook && ctx->hook_layout != VK_NULL_HANDLE ? 2 : 1;
     layout.pSetLayouts = sets;
-    HBIL_VK__TRY(ctx, CreatePipelineLayout, (ctx->device, &layout, ctx->allocator, &ctx->layouts[p]));
+    HBIL_VK__MAKE(ctx, pass->name, CreatePipelineLayout, &ctx->layouts[p], (ctx->device, &layout, ctx->allocator, &ctx->layouts[p]));
     return HBIL_VK_OK;
 }
 
@@ -451,11 +513,13 @@ static hbil_vk_result hbil_vk__make_pipeline(hbil_vk *ctx, uint32_t p, const hbi
     pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     pipeline.stage.pName = spirv->entry != NULL ? spirv->entry : "main";
     pipeline.layout = ctx->layouts[p];
-    HBIL_VK__TRY(ctx, CreateShaderModule, (ctx->device, &module, ctx->allocator, &pipeline.stage.module));
+    HBIL_VK__TRY(ctx, ctx->plan.passes[p].name, CreateShaderModule, (ctx->device, &module, ctx->allocator, &pipeline.stage.module));
     const VkResult made =
         ctx->fn.CreateComputePipelines(ctx->device, cache, 1, &pipeline, ctx->allocator, &ctx->pipelines[p]);
     ctx->fn.DestroyShaderModule(ctx->device, pipeline.stage.module, ctx->allocator);
-    return made == VK_SUCCESS ? HBIL_VK_OK : hbil_vk__failed(ctx, "vkCreateComputePipelines", made);
+    if (made == VK_SUCCESS) return HBIL_VK_OK;
+    ctx->pipelines[p] = VK_NULL_HANDLE;
+    return hbil_vk__failed(ctx, "vkCreateComputePipelines", ctx->plan.passes[p].name, made);
 }
 
 static hbil_vk_result hbil_vk__make_sets(hbil_vk *ctx)
@@ -474,14 +538,14 @@ static hbil_vk_result hbil_vk__make_sets(hbil_vk *ctx)
     pool.maxSets = ctx->plan.pass_count * ctx->phases;
     pool.poolSizeCount = TYPES;
     pool.pPoolSizes = sizes;
-    HBIL_VK__TRY(ctx, CreateDescriptorPool, (ctx->device, &pool, ctx->allocator, &ctx->pool));
+    HBIL_VK__MAKE(ctx, NULL, CreateDescriptorPool, &ctx->pool, (ctx->device, &pool, ctx->allocator, &ctx->pool));
     HBIL_VK__STRUCT(VkDescriptorSetAllocateInfo, set, DESCRIPTOR_SET_ALLOCATE_INFO);
     set.descriptorPool = ctx->pool;
     set.descriptorSetCount = 1;
     for (uint32_t p = 0; p < ctx->plan.pass_count; ++p)
         for (uint32_t phase = 0; phase < ctx->phases; ++phase) {
             set.pSetLayouts = &ctx->set_layouts[p];
-            HBIL_VK__TRY(ctx, AllocateDescriptorSets, (ctx->device, &set, &ctx->sets[p][phase]));
+            HBIL_VK__TRY(ctx, ctx->plan.passes[p].name, AllocateDescriptorSets, (ctx->device, &set, &ctx->sets[p][phase]));
         }
     return HBIL_VK_OK;
 }
@@ -528,7 +592,7 @@ static hbil_vk_result hbil_vk__make_image(hbil_vk *ctx, uint32_t t, uint32_t wid
     image.arrayLayers = tex->layers;
     image.samples = VK_SAMPLE_COUNT_1_BIT;
     image.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
-    HBIL_VK__TRY(ctx, CreateImage, (ctx->device, &image, ctx->allocator, out));
+    HBIL_VK__MAKE(ctx, tex->name, CreateImage, out, (ctx->device, &image, ctx->allocator, out));
     return HBIL_VK_OK;
 }
 
@@ -539,7 +603,7 @@ static hbil_vk_result hbil_vk__make_view(hbil_vk *ctx, uint32_t t, VkImage image
     view.viewType = ctx->plan.textures[t].dim == HBIL_DIM_2D_ARRAY ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = hbil_vk_format((hbil_format)ctx->plan.textures[t].format);
     view.subresourceRange = hbil_vk__whole();
-    HBIL_VK__TRY(ctx, CreateImageView, (ctx->device, &view, ctx->allocator, out));
+    HBIL_VK__MAKE(ctx, ctx->plan.textures[t].name, CreateImageView, out, (ctx->device, &view, ctx->allocator, out));
     return HBIL_VK_OK;
 }
 
@@ -559,10 +623,10 @@ static hbil_vk_result hbil_vk__make_images(hbil_vk *ctx, uint32_t width, uint32_
             size = offsets[t][k] + need.size;
             types &= need.memoryTypeBits;
         }
-    if (size > 0) result = hbil_vk__allocate(ctx, size, types, &ctx->memory);
+    if (size > 0) result = hbil_vk__allocate(ctx, "the plan's images", size, types, &ctx->memory);
     for (uint32_t t = 0; t < ctx->plan.texture_count; ++t)
         for (uint32_t k = 0; k < hbil_vk__copies(ctx, t) && result == HBIL_VK_OK; ++k) {
-            HBIL_VK__TRY(ctx, BindImageMemory, (ctx->device, ctx->images[t][k], ctx->memory, offsets[t][k]));
+            HBIL_VK__TRY(ctx, ctx->plan.textures[t].name, BindImageMemory, (ctx->device, ctx->images[t][k], ctx->memory, offsets[t][k]));
             result = hbil_vk__make_view(ctx, t, ctx->images[t][k], &ctx->views[t][k]);
         }
     return result;
@@ -598,8 +662,24 @@ static void hbil_vk__drop(hbil_vk *ctx)
     ctx->fn.DestroySampler(ctx->device, ctx->samplers[1], ctx->allocator);
 }
 
+static int hbil_vk__filtered(const hbil_texture *tex) { return tex->dim == HBIL_DIM_CUBE || tex->dim == HBIL_DIM_3D; }
+
+/* What you told of the size of a view against what the plan wants; those of CUBE and 3D may be of any. */
+static hbil_vk_result hbil_vk__check_extent(hbil_vk *ctx, const hbil_texture *tex, const uint32_t need[2], const VkExtent3D *is)
+{
+    const char *role = tex->life == HBIL_LIFE_INPUT ? "input" : "output";
+    if (hbil_vk__filtered(tex) || is->width == 0 || is->height == 0) return HBIL_VK_OK;
+    if (is->width < need[0] || is->height < need[1])
+        return hbil_vk__fail(ctx, HBIL_VK_E_TEXTURE, "%s %s: your view is %ux%u, the frame needs %ux%u: make it that large, or resize "
+                             "to a smaller frame", role, tex->name, is->width, is->height, need[0], need[1]);
+    if (tex->dim == HBIL_DIM_2D_ARRAY && is->depth != 0 && is->depth < tex->layers)
+        return hbil_vk__fail(ctx, HBIL_VK_E_TEXTURE, "%s %s: your view has %u layers, the plan needs %u: make it with as many", role,
+                             tex->name, is->depth, (uint32_t)tex->layers);
+    return HBIL_VK_OK;
+}
+
 static hbil_vk_result hbil_vk__check_size(hbil_vk *ctx, uint32_t width, uint32_t height,
-                                          const VkImageView views[HBIL_MAX_TEXTURES])
+                                          const VkImageView views[HBIL_MAX_TEXTURES], const VkExtent3D *extents)
 {
     const uint32_t baked[2] = { (uint32_t)ctx->plan.config.width, (uint32_t)ctx->plan.config.height };
     if ((baked[0] != 0 && baked[0] != width) || (baked[1] != 0 && baked[1] != height))
@@ -610,17 +690,19 @@ static hbil_vk_result hbil_vk__check_size(hbil_vk *ctx, uint32_t width, uint32_t
                              ctx->max_extent, ctx->max_extent);
     for (uint32_t t = 0; t < ctx->plan.texture_count; ++t) {
         const hbil_texture *tex = &ctx->plan.textures[t];
+        const int yours = tex->life == HBIL_LIFE_INPUT || tex->life == HBIL_LIFE_OUTPUT;
         uint32_t extent[2];
         if (hbil_plan_extent(&ctx->plan, (int32_t)t, width, height, extent) != HBIL_OK)
-            return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "size %ux%u is more than hbil takes, 16384", width, height);
-        if ((tex->life == HBIL_LIFE_INPUT || tex->life == HBIL_LIFE_OUTPUT) && views[t] == VK_NULL_HANDLE)
+            return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "size %ux%u is more than hbil takes, 16384: render smaller", width,
+                                 height);
+        if (yours && views[t] == VK_NULL_HANDLE)
             return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "views[%u] is null: it must be your view of %s %s", t,
                                  tex->life == HBIL_LIFE_INPUT ? "input" : "output", tex->name);
+        const hbil_vk_result result = yours && extents != NULL ? hbil_vk__check_extent(ctx, tex, extent, &extents[t]) : HBIL_VK_OK;
+        if (result != HBIL_VK_OK) return result;
     }
     return HBIL_VK_OK;
 }
-
-static int hbil_vk__filtered(const hbil_texture *tex) { return tex->dim == HBIL_DIM_CUBE || tex->dim == HBIL_DIM_3D; }
 
 static void hbil_vk__write_set(hbil_vk *ctx, uint32_t p, uint32_t phase, const VkImageView views[HBIL_MAX_TEXTURES])
 {
@@ -667,7 +749,9 @@ static hbil_vk_result hbil_vk__prepare(hbil_vk *ctx, const hbil_frame *frame, hb
     hbil_diags diags = { &diag, 1, 0 };
     const uint32_t width = frame->width != 0 ? frame->width : (uint32_t)ctx->plan.config.width;
     const uint32_t height = frame->height != 0 ? frame->height : (uint32_t)ctx->plan.config.height;
-    if (ctx->width == 0 || width > ctx->width || height > ctx->height)
+    if (!ctx->runnable)
+        return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "no images: a hbil_vk_resize has to succeed first");
+    if (width > ctx->width || height > ctx->height)
         return hbil_vk__fail(ctx, HBIL_VK_E_FRAME, "frame is %ux%u, the images are %ux%u: call hbil_vk_resize", width, height,
                              ctx->width, ctx->height);
     if (ctx->hook_layout != VK_NULL_HANDLE && ctx->hook_set == VK_NULL_HANDLE)
@@ -699,7 +783,8 @@ static void hbil_vk__set_up_image(hbil_vk *ctx, VkCommandBuffer cmd, VkImage ima
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = image;
     barrier.subresourceRange = hbil_vk__whole();
-    ctx->fn.CmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, NULL, 0, NULL,
+    /* behind the shaders of a frame before, which is there where you have set fresh */
+    ctx->fn.CmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 0, NULL, 0, NULL,
                                1, &barrier);
 }
 
@@ -814,8 +899,11 @@ hbil_vk_result hbil_vk_init(const hbil_vk_info *info, hbil_vk *ctx)
 hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height, const VkImageView views[HBIL_MAX_TEXTURES])
 {
     if (ctx == NULL) return HBIL_VK_E_ARG;
+    const VkExtent3D *extents = ctx->extents;
+    ctx->extents = NULL;
+    ctx->runnable = 0;
     if (ctx->device == NULL || views == NULL) return hbil_vk__fail(ctx, HBIL_VK_E_ARG, "call hbil_vk_init first; pass views");
-    hbil_vk_result result = hbil_vk__check_size(ctx, width, height, views);
+    hbil_vk_result result = hbil_vk__check_size(ctx, width, height, views, extents);
     if (result != HBIL_VK_OK) return result;
     if (width != ctx->width || height != ctx->height) {
         hbil_vk__drop_images(ctx);
@@ -830,6 +918,7 @@ hbil_vk_result hbil_vk_resize(hbil_vk *ctx, uint32_t width, uint32_t height, con
     }
     for (uint32_t p = 0; p < ctx->plan.pass_count; ++p)
         for (uint32_t phase = 0; phase < ctx->phases; ++phase) hbil_vk__write_set(ctx, p, phase, views);
+    ctx->runnable = 1;
     return HBIL_VK_OK;
 }
 
@@ -861,7 +950,7 @@ hbil_vk_result hbil_vk_timings(hbil_vk *ctx, double *ms)
         count * sizeof *ticks, ticks, sizeof *ticks, VK_QUERY_RESULT_64_BIT);
     if (got == VK_NOT_READY)
         return hbil_vk__fail(ctx, HBIL_VK_E_NOT_READY, "no timestamps yet: record, submit and wait for the fence first");
-    if (got != VK_SUCCESS) return hbil_vk__failed(ctx, "vkGetQueryPoolResults", got);
+    if (got != VK_SUCCESS) return hbil_vk__failed(ctx, "vkGetQueryPoolResults", NULL, got);
     for (uint32_t p = 0; p < ctx->plan.pass_count; ++p)
         ms[p] = (double)((ticks[p + 1] - ticks[p]) & ctx->tick_mask) * ctx->tick_ms;
     return HBIL_VK_OK;

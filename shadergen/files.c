@@ -124,6 +124,10 @@ int files_write(files *list, int *stale)
         if (stale && changed[made]) fprintf(stderr, "shadergen: %s is not up to date\n", list->items[made].path);
         if (stale) *stale += changed[made];
         else if (changed[made] && !write_one(&list->items[made])) { bad = made; changed[made] = 0; }
+        else if (!changed[made] && strcmp(list->items[made].path, "-")) { /* what a killed run may have left */
+            temporary(temp, &list->items[made]);
+            remove(temp);
+        }
     }
     if (!stale && bad < 0) bad = rename_all(list, changed, made);
     if (bad >= 0) {

@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifndef COMBINATIONS_MAX
 #define COMBINATIONS_MAX 100000
+#endif
 #define OPTIONS_MAX      256 /* lists of one file */
 #define FAULTS_SHOWN     20
 

@@ -1,8 +1,10 @@
 /* image.c - float images in memory, EXR through OpenEXR's C core, PNG through stb. */
 #include "image.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -29,6 +31,9 @@
 #endif
 
 #define MAX_SIZE 16384 /* pixels a side */
+#ifndef EXR_BYTES_MAX
+#define EXR_BYTES_MAX 4294967296.0 /* of all images that are read of a file: an 8K frame with all passes and truths */
+#endif
 #define SHORT_NAME 31  /* bytes of a name, from which on the file must say that it has long ones */
 #define MAX_NAME 256   /* bytes of a channel name; the format itself allows 255 */
 
@@ -71,6 +76,38 @@ void image_free(image *img)
 
 /* ---- files that are replaced whole or not at all ---------------------------------------------------------------- */
 
+/* Is this the name of a temporary file of `base` whose process is no more? */
+static int is_leftover(const char *name, const char *base)
+{
+    const size_t length = strlen(base);
+    char        *end = NULL;
+    long         process;
+
+    if (strncmp(name, base, length) != 0 || name[length] != '.' || name[length + 1] < '1' || name[length + 1] > '9') return 0;
+    process = strtol(name + length + 1, &end, 10);
+    return strcmp(end, ".tmp") == 0 && kill((pid_t)process, 0) != 0 && errno == ESRCH;
+}
+
+void temp_clean(const char *path)
+{
+    const char    *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    const size_t   folder = (size_t)(base - path);
+    char           name[4096];
+    struct dirent *entry;
+    DIR           *d;
+
+    if (folder + 256 >= sizeof name) return;
+    memcpy(name, folder ? path : ".", folder ? folder : 1);
+    name[folder ? folder : 1] = 0;
+    d = opendir(name);
+    while (d && (entry = readdir(d)) != NULL) {
+        if (!is_leftover(entry->d_name, base)) continue;
+        snprintf(name + folder, sizeof name - folder, "%s", entry->d_name);
+        remove(name);
+    }
+    if (d) closedir(d);
+}
+
 /* The temporary file lies beside its target, since rename() is atomic within one file system only. Its name holds the
  * process id: two runs that write the same file do not write into each other's half. Caller frees; NULL: no memory. */
 static char *temp_path(const char *path)
@@ -78,6 +115,7 @@ static char *temp_path(const char *path)
     size_t size = strlen(path) + 32;
     char  *temp = malloc(size);
 
+    temp_clean(path);
     if (temp) snprintf(temp, size, "%s.%ld.tmp", path, (long)getpid());
     return temp;
 }
@@ -196,6 +234,12 @@ static void keep_message(exr_const_context_t context, exr_result_t code, const c
         snprintf(((exr_log *)user)->text, sizeof ((exr_log *)user)->text, "%s", message);
 }
 
+/* While it writes, the library holds a lock of the context where it says so: keep_message would wait for itself. The code has to do. */
+static void no_message(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    (void)context, (void)code, (void)message;
+}
+
 static exr_context_initializer_t exr_settings(exr_log *log)
 {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -262,8 +306,9 @@ static int make_layers(const char *path, exr_context_t context, int width, int h
 {
     const exr_attr_chlist_t       *list = NULL;
     const exr_attr_chlist_entry_t *entry;
-    char name[MAX_NAME], absent[MAX_NAME];
-    int  i, c, found, parts = 1;
+    char   name[MAX_NAME], absent[MAX_NAME];
+    int    i, c, found, parts = 1;
+    double bytes = 0.0;
 
     exr_get_count(context, &parts);
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS)
@@ -280,8 +325,16 @@ static int make_layers(const char *path, exr_context_t context, int width, int h
             if (!entry && !absent[0]) memcpy(absent, name, sizeof absent);
         }
         if (absent[0] && (layers[i].required || found > 0)) return missing_channel(path, absent, list, parts, error, error_size);
-        if (!absent[0] && !image_make(&layers[i].pixels, width, height, c)) return no_memory(path, error, error_size);
+        if (absent[0]) continue;
+        layers[i].pixels.channels = c; /* to be made */
+        bytes += (double)sizeof(float) * width * height * c;
     }
+    if (bytes > EXR_BYTES_MAX) /* a header is a few bytes, what it announces is not */
+        return frame_error(error, error_size, "%s: its passes take %.0f MB in memory, %.0f MB is the most. Export a smaller frame, "
+                           "or fewer passes", path, bytes / 1048576.0, EXR_BYTES_MAX / 1048576.0);
+    for (i = 0; i < count; i++)
+        if (layers[i].pixels.channels > 0 && !image_make(&layers[i].pixels, width, height, layers[i].pixels.channels))
+            return no_memory(path, error, error_size);
     return 1;
 }
 
@@ -295,9 +348,11 @@ static exr_result_t decode_chunk(exr_context_t context, const exr_chunk_info_t *
                                  int count)
 {
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
-    exr_result_t          code = exr_decoding_initialize(context, 0, chunk, &decode);
+    exr_result_t          code;
     int c, index;
 
+    if ((double)chunk->unpacked_size > EXR_BYTES_MAX) return EXR_ERR_OUT_OF_MEMORY;
+    code = exr_decoding_initialize(context, 0, chunk, &decode);
     for (c = 0; code == EXR_ERR_SUCCESS && c < decode.channel_count; c++) {
         exr_coding_channel_info_t *channel = &decode.channels[c];
         const image_layer         *layer = find_layer(layers, count, channel->channel_name, &index);
@@ -522,6 +577,7 @@ int exr_write(const char *path, const image_layer *layers, int count, char *erro
     int i;
 
     settings.flags = 0; /* the one that is set is for reading */
+    settings.error_handler_fn = no_message;
     for (i = 0; i < count; i++) {
         const image *img = &layers[i].pixels;
 

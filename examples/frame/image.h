@@ -48,6 +48,9 @@ char *exr_names(const char *path, int *parts);
 int exr_write(const char *path, const image_layer *layers, int count, char *error, size_t error_size);
 /* 8-bit sRGB PNG of 1 or 3 channels, values in [0, 1] taken as linear if linear != 0, as they are if not. Renamed into place. */
 int png_write(const char *path, const image *img, int linear, char *error, size_t error_size);
+/* All that is written here comes through PATH.<process>.tmp, renamed to PATH once it is whole. A run that is killed leaves that file; the
+ * next one that writes PATH removes those of processes that are no more, as does this. */
+void temp_clean(const char *path);
 /* A text file of at most `most` bytes, terminated; caller frees. what: what should be in it, for the message, "the camera's JSON".
  * NULL: error[] says why. */
 char *text_read(const char *path, size_t most, const char *what, char *error, size_t error_size);

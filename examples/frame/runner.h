@@ -20,8 +20,9 @@ typedef struct runner_info {
 /* hbil_target of a backend's name, "vulkan", "gl" or "gles"; 0: there is none. */
 int32_t            runner_target(const char *backend);
 
-/* backend: see runner_target. validate != 0: Khronos validation layer (Vulkan, with synchronisation checks) or KHR_debug (GL);
- * every message counts, see runner_messages. NULL: error[] says what is missing and how to get it. */
+/* backend: see runner_target. validate != 0: Khronos validation layer (Vulkan, with synchronisation checks and best practices; those
+ * messages that runner_vk.c excuses, one by one with the reason, are left out) or KHR_debug (GL); every other message counts, see
+ * runner_messages. NULL: error[] says what is missing and how to get it. One thread at a time opens and closes. */
 runner            *runner_open(const char *backend, int validate, char *error, size_t error_size);
 void               runner_close(runner *r);
 const runner_info *runner_about(const runner *r);
@@ -54,7 +55,9 @@ int                runner_words(runner *r, const runner_spirv *spirv);
  * image, which becomes sample plan.config.sample of RUNNER_SAMPLES; the others are filled with 7e7, so that a shader which
  * reads a wrong one shows. Outputs: 2D_ARRAY has its layers as slices.
  * repeat >= 1 executions with the same frame; ms (may be NULL) gets repeat * pass_count milliseconds, [run][pass].
- * Pipelines are kept while the plan (memcmp), the hook and the text stay the same. 1 on success, 0: error[] says why. */
+ * Pipelines are kept while the plan (memcmp), the hook and the text stay the same. 1 on success, 0: error[] says why; the next run
+ * then begins anew, without history. One whose device is lost runs no more: close it and open another one.
+ * A runner, one thread at a time; several, on a thread each. */
 int runner_run(runner *r, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size);
 

@@ -504,6 +504,8 @@ static int set_images(gl_device *d, const hbil_plan *plan, uint32_t width, uint3
     for (i = 0; i < plan->texture_count; ++i) {
         const hbil_texture *t = &plan->textures[i];
         if (t->life == HBIL_LIFE_INPUT) {
+            frame_error(error, error_size, "input %s: GL makes no texture: out of memory, or the context is lost. Render smaller, or "
+                        "open another runner", t->name); /* unless there is a better reason */
             names[i] = fill_input(d, plan, i, &inputs[i], error, error_size);
             if (!names[i]) return 0;
         } else if (t->life == HBIL_LIFE_OUTPUT) {
@@ -592,16 +594,25 @@ static void gl_set_text(void *device, const char *pass, const char *text)
     if (make_current(d)) hbil_gl_shutdown(&d->backend);
 }
 
-static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
-                  const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
+/* After a run that failed: the next one begins without history, on textures of its own, with no error pending. */
+static int recover(gl_device *d)
 {
-    gl_device *d = (gl_device *)device;
+    int i;
+    for (i = 0; i < HBIL_MAX_TEXTURES; ++i) d->gl.DeleteTextures(1, &d->images[i].name);
+    memset(d->images, 0, sizeof d->images);
+    d->gl.DeleteProgram(d->spread); /* it may be one that does not link */
+    d->spread = 0;
+    hbil_gl_shutdown(&d->backend);
+    for (i = 0; i < 16 && d->gl.GetError() != GL_NO_ERROR; ++i) {} /* a lost context would go on saying so */
+    return 0;
+}
+
+static int run(gl_device *d, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
+               const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error,
+               size_t error_size)
+{
     GLenum code;
     int i;
-    if (!make_current(d)) {
-        snprintf(error, error_size, "the GL context cannot be made current: use a runner on one thread at a time");
-        return 0;
-    }
     if (!set_plan(d, plan)) {
         snprintf(error, error_size, "%s", d->backend.message);
         return 0;
@@ -617,11 +628,20 @@ static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, 
     }
     if (!read_outputs(d, plan, outputs)) return frame_error(error, error_size, "out of memory");
     code = d->gl.GetError();
-    if (code != GL_NO_ERROR) {
-        snprintf(error, error_size, "GL error 0x%04x: open the runner with validation to see the message", code);
-        return 0;
-    }
-    return 1;
+    if (code == GL_NO_ERROR) return 1;
+    return frame_error(error, error_size, "GL error 0x%04x%s", code, code == GL_OUT_OF_MEMORY
+                       ? ": out of memory. Render smaller, or free some" : code == GL_CONTEXT_LOST
+                       ? ": the context is lost. Close this runner and open another one"
+                       : ": open the runner with validation to see the message");
+}
+
+static int gl_run(void *device, const hbil_plan *plan, const hbil_frame *frame, const uint32_t size[2],
+                  const image inputs[HBIL_MAX_TEXTURES], image outputs[HBIL_MAX_TEXTURES], int repeat, double *ms, char *error, size_t error_size)
+{
+    gl_device *d = (gl_device *)device;
+    if (!make_current(d))
+        return frame_error(error, error_size, "the GL context cannot be made current: use a runner on one thread at a time");
+    return run(d, plan, frame, size, inputs, outputs, repeat, ms, error, error_size) || recover(d);
 }
 
 const runner_ops runner_gl = { gl_open, gl_close, gl_messages, gl_set_hook, gl_set_text, NULL, gl_run };

@@ -60,6 +60,8 @@ static void write_script(FILE *out, const char *stem, draw_function *draw, const
     int  png;
 
     for (png = 0; png < 2; png++) {
+        file_name(path, stem, png, 0);
+        temp_clean(path);
         file_name(path, stem, png, 1);
         fprintf(out, "reset\nset terminal %s size %d,%d noenhanced font 'DejaVu Sans,11' background '#ffffff'\n"
                      "set output ",

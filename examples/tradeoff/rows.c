@@ -130,13 +130,23 @@ static int read_rows(rows *r, const char *path, char *text, char *error, size_t 
     return 1;
 }
 
+/* Appends; what cannot be appended whole is taken off again. */
 static int write_all(int file, const char *text, size_t size)
 {
+    struct stat before;
+
+    if (fstat(file, &before) != 0) return 0;
     while (size > 0) {
         const ssize_t wrote = write(file, text, size);
 
         if (wrote < 0 && errno == EINTR) continue;
-        if (wrote < 0) return 0;
+        if (wrote < 0) {
+            const int why = errno;
+
+            if (ftruncate(file, before.st_size) != 0) {} /* then the next run does it */
+            errno = why;
+            return 0;
+        }
         text += wrote;
         size -= (size_t)wrote;
     }

@@ -135,26 +135,31 @@ static int hand_over(vk *g)
 {
     const hbil_plan *plan = &g->light.plan;
     VkImageView      views[HBIL_MAX_TEXTURES];
+    VkExtent3D       extents[HBIL_MAX_TEXTURES];
     uint32_t         t;
 
     memset(views, 0, sizeof views);
+    memset(extents, 0, sizeof extents);
     for (t = 0; t < HBIL_MAX_TEXTURES; t++) vk_drop_image(g, &g->outputs[t]);
     for (t = 0; t < plan->texture_count; t++) {
         const hbil_texture *texture = &plan->textures[t];
         if (texture->life == HBIL_LIFE_INPUT) {
             const int target = gpu_input_of(texture->name);
             if (target >= 0) views[t] = target == TARGET_ROUGHNESS ? g->roughness : g->targets[target].view;
+            if (target >= 0) extents[t] = g->targets[target == TARGET_ROUGHNESS ? TARGET_SPECULAR : target].size;
         } else if (texture->life == HBIL_LIFE_OUTPUT) {
             if (!vk_make_image(g, &g->outputs[t], hbil_vk_format((hbil_format)texture->format), g->width, g->height,
                             texture->dim == HBIL_DIM_2D_ARRAY ? texture->layers : 0,
                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)) return 0;
             views[t] = g->outputs[t].view;
+            extents[t] = g->outputs[t].size;
         }
     }
     if (!begin(g)) return 0;
     for (t = 0; t < plan->texture_count; t++)
         if (g->outputs[t].image) transition(g, g->outputs[t].image, VK_IMAGE_ASPECT_COLOR_BIT, unused, computed);
     if (!finish(g, -1)) return 0;
+    g->light.extents = extents; /* one that is too small is then refused by name */
     return hbil_vk_resize(&g->light, g->width, g->height, views) == HBIL_VK_OK || FAIL(g, "%s", g->light.message);
 }
 

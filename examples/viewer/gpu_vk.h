@@ -27,6 +27,7 @@ typedef struct vk_image {
     VkImage        image;
     VkDeviceMemory memory;
     VkImageView    view;
+    VkExtent3D     size;                 /* depth: layers */
 } vk_image;
 
 typedef struct vk_buffer {

@@ -250,6 +250,8 @@ int vk_make_image(vk *g, vk_image *t, VkFormat format, uint32_t width, uint32_t 
     vkGetImageMemoryRequirements(g->device, t->image, &need);
     if (!allocate(g, &need, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, &t->memory)) return 0;
     TRY(g, vkBindImageMemory, (g->device, t->image, t->memory, 0));
+    t->size = info.extent;
+    if (layers) t->size.depth = layers;
     return vk_make_view(g, t->image, format, layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
                      VK_COMPONENT_SWIZZLE_IDENTITY, &t->view);
 }

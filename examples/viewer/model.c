@@ -127,8 +127,9 @@ static void read_material(const struct aiMaterial *material, gpu_vertex *out)
     if (aiGetMaterialColor(material, AI_MATKEY_BASE_COLOR, &base) != aiReturn_SUCCESS)
         aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &base);
     aiGetMaterialColor(material, AI_MATKEY_COLOR_EMISSIVE, &emission);
-    aiGetMaterialFloat(material, AI_MATKEY_METALLIC_FACTOR, &out->metallic);
-    aiGetMaterialFloat(material, AI_MATKEY_ROUGHNESS_FACTOR, &out->roughness);
+    /* not aiGetMaterialFloat: an inline function, of which C has no other copy in builds that do not inline */
+    aiGetMaterialFloatArray(material, AI_MATKEY_METALLIC_FACTOR, &out->metallic, NULL);
+    aiGetMaterialFloatArray(material, AI_MATKEY_ROUGHNESS_FACTOR, &out->roughness, NULL);
     out->albedo[0] = base.r, out->albedo[1] = base.g, out->albedo[2] = base.b;
     out->emission[0] = emission.r, out->emission[1] = emission.g, out->emission[2] = emission.b;
     for (c = 0; c < 3; c++) out->emission[c] *= GLOW;

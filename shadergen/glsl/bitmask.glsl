@@ -79,7 +79,7 @@ vec2 hbil_turn(hbil_fan f, int edge) {
     float c = mix(c0, 1.0, goal);
     for (int i = 0; i < 3; ++i) {
         float root = sqrt(clamp(1.0 - hbil_edge_light(nx, f.ny, c) / all, 1e-12, 1.0));
-        float slope = nx * sqrt((1.0 - c) * (1.0 + c)) + f.ny * c;
+        float slope = nx * sqrt(max((1.0 - c) * (1.0 + c), 0.0)) + f.ny * c;
         c = clamp(c + 2.0 * (goal - root) * root * all / max(slope, 1e-6), c0, 1.0);
     }
     return vec2(is_back ? -1.0 : 1.0, edge == (is_back ? 0 : 32) ? c0 : c);
@@ -238,7 +238,7 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
             vec3 radiance = hbil_radiance_at(at);
 #endif
 #if HBIL_FACING_HALF_SPACE
-            fresh &= hbil_lit_bits(r, f, hbil_load_normal(ivec2(at.pixel)));
+            fresh &= hbil_lit_bits(r, f, hbil_normal_at(at));
 #endif
             hbil_add_bits(r, f, fresh, radiance, sum);
         }

@@ -1,9 +1,10 @@
 // claim: last frame's pixels again. Those of the nearest depth leave their address; of several the lowest, so that
-// every run gives the same. After a cut nothing has landed, and none is found.
+// every run gives the same.
 
 //@ chunk main
 void main() {
     ivec2 p = hbil_texel();
+    if (any(greaterThanEqual(p, HBIL_SIZE)) || HBIL_RESET != 0) return;
     ivec2 to;
     float z;
     for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y)

@@ -84,7 +84,7 @@ void hbil_add_arc(hbil_receiver r, hbil_side s, hbil_visit at, vec3 along, float
 #endif
     vec2 arc = vec2(c, higher);
 #if HBIL_FACING_HALF_SPACE
-    arc = hbil_lit(r, s, hbil_load_normal(ivec2(at.pixel)), arc);
+    arc = hbil_lit(r, s, hbil_normal_at(at), arc);
 #endif
 #if HBIL_OCCLUDER_HEURISTIC
     float before = hbil_weight(s.nx, r.ny, s.c0, c);
@@ -218,7 +218,7 @@ float hbil_horizon(hbil_receiver r, hbil_side s) {
 #if HBIL_GATHER_SIDE && HBIL_GATHER
     light.mean = hbil_radiance_at(top);
 #if HBIL_FACING_HALF_SPACE
-    vec2 arc = hbil_lit(r, s, hbil_load_normal(ivec2(top.pixel)), vec2(s.c0, c));
+    vec2 arc = hbil_lit(r, s, hbil_normal_at(top), vec2(s.c0, c));
     light.mean *= hbil_weight(s.nx, r.ny, arc.x, arc.y) / max(hbil_weight(s.nx, r.ny, s.c0, c), 1e-20);
 #endif
 #endif

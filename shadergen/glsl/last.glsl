@@ -133,11 +133,11 @@ hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {
     t.weights = vec4(0.0);
     t.all = 0.0;
     t.frames = 0.0;
-    if (HBIL_RESET != 0) return t;
     vec3 there = hbil_move(HBIL_LAST_FROM_VIEW, position);
     vec2 pixel = hbil_last_pixel(p, there);
-    // written so that NaN is off the screen, too
-    if (!(all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0)))) return t;
+    // written so that NaN is off the screen, too. A branch on uniforms alone makes lavapipe compile anew in each frame
+    bool seen = all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0));
+    if (!seen || HBIL_RESET != 0) return t;
 #if HBIL_PROJECTION_PERSPECTIVE
     if (there.z <= 0.0) return t;
 #endif

@@ -40,9 +40,10 @@ vec3 hbil_last_light(ivec2 p, float z) {
     }
     if (t.all > 0.0) return sum / t.all;
 #if HBIL_REPROJECT_SCATTER
-    if (HBIL_RESET == 0) return hbil_pull(p, z);
-#endif
+    return hbil_pull(p, z); // after a reset nothing was pushed
+#else
     return vec3(0.0);
+#endif
 }
 
 //@ chunk main

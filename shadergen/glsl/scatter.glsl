@@ -3,9 +3,9 @@
 //@ chunk main
 void main() {
     ivec2 p = hbil_texel();
-    if (any(greaterThanEqual(p, HBIL_SIZE))) return;
-    imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));
-    if (HBIL_RESET != 0) return;
+    bool inside = all(lessThan(p, HBIL_SIZE));
+    if (inside) imageStore(u_claimed, p, uvec4(HBIL_NOWHERE));
+    if (!inside || HBIL_RESET != 0) return; // in one condition: see hbil_find
     ivec2 to;
     float z;
     for (int y = p.y; y < HBIL_LAST_SIZE.y; y += HBIL_SIZE.y) // last frame may have been larger

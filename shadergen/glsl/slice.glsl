@@ -347,6 +347,16 @@ float hbil_fade(float distance) {
 }
 #endif
 
+//@ chunk hbil_normal_at
+// Normal of the surface that a sample sees. The middle of a coarser texel may lie beyond the screen.
+vec3 hbil_normal_at(hbil_visit at) {
+#if HBIL_MIPS
+    return hbil_load_normal(min(ivec2(at.pixel), HBIL_SIZE - 1));
+#else
+    return hbil_load_normal(ivec2(at.pixel));
+#endif
+}
+
 //@ chunk hbil_load_radiance
 vec3 hbil_load_radiance(ivec2 p) {
     vec3 radiance = hbil_finite(texelFetch(u_radiance, p, 0).rgb);
@@ -384,7 +394,7 @@ const float HBIL_FILTER_HIGH = 0.1; // and from which on it faces the receiver
 // Light that a sample sees along the unit vector `along`. A surface that faces away hides what is behind it, but is
 // not what lights the receiver: the last light that was accepted stands in.
 vec3 hbil_source(hbil_visit at, vec3 along, inout vec3 accepted) {
-    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_load_normal(ivec2(at.pixel)), along));
+    float t = smoothstep(HBIL_FILTER_LOW, HBIL_FILTER_HIGH, -dot(hbil_normal_at(at), along));
     accepted = mix(accepted, hbil_radiance_at(at), t);
     return accepted;
 }

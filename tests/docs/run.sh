@@ -42,4 +42,12 @@ for page in README.md backends/README.md; do
         [ -e "$root/$(dirname "$page")/$link" ] || say FAILED "$page: no file $link"
     done
 done
+# messages of the table `refused`, in the last column between backticks
+awk '/^<!-- refused: / { on = 1; next } on && /^\|/ { rows = 1; print } on && rows && !/^\|/ { exit }' "$root/README.md" |
+    sed -n '3,$s/.*| `\(.*\)` |$/\1/p' > "$temp/messages"
+while IFS= read -r message; do
+    if cat "$root"/hbil.h "$root"/backends/*.h "$root"/examples/frame/*.c | tr -d '\n' | sed 's/" *"//g' | grep -qF -e "$message"; then say ok "message: $message"
+    else say FAILED "no such message: $message"; fi
+done < "$temp/messages"
+[ "$(wc -l < "$temp/messages")" -ge 8 ] || say FAILED 'README.md: the table of what is refused is not found'
 exit $failed

@@ -64,13 +64,18 @@ static int vk_start(const hbil_plan *plan, VkInstance instance, VkPhysicalDevice
     return hbil_vk_init(&info, &vk_light) == HBIL_VK_OK;     /* if not: vk_light.message says what to do */
 }
 
-/* When the size or a view changes. */
-static int vk_size(const hbil_plan *plan, uint32_t width, uint32_t height, VkImageView depth, VkImageView normal, VkImageView ao)
+/* When the size or a view changes. made: how large your images are. Said once, and one that is too small is refused by name. */
+static int vk_size(const hbil_plan *plan, uint32_t width, uint32_t height, VkExtent3D made, VkImageView depth, VkImageView normal,
+                   VkImageView ao)
 {
     VkImageView views[HBIL_MAX_TEXTURES] = {0};
+    VkExtent3D  extents[HBIL_MAX_TEXTURES] = {0};
     views[hbil_plan_texture(plan, "depth")] = depth;
     views[hbil_plan_texture(plan, "normal")] = normal;
     views[hbil_plan_texture(plan, "ao")] = ao;               /* in GENERAL, before and after */
+    extents[hbil_plan_texture(plan, "depth")] = extents[hbil_plan_texture(plan, "normal")] = made;
+    extents[hbil_plan_texture(plan, "ao")] = made;
+    vk_light.extents = extents;
     return hbil_vk_resize(&vk_light, width, height, views) == HBIL_VK_OK;
 }
 
@@ -116,6 +121,7 @@ static void check_valley(const float *ao)
 
 static void vulkan_snippet(void **state)
 {
+    const VkExtent3D made[2] = { { WIDTH, HEIGHT - 1, 1 }, { WIDTH, HEIGHT, 1 } };
     static const uint32_t size[2] = { WIDTH, HEIGHT };
     const hbil_plan plan = plan_of(HBIL_TARGET_VULKAN);
     const hbil_frame frame = test_frame(&plan.config, WIDTH, HEIGHT);
@@ -140,8 +146,12 @@ static void vulkan_snippet(void **state)
     assert_true(vk_start(&plan, d->instance, d->gpu, d->device, d->family));
     /* the runner's images, which its own instance of the backend gets too */
     if (!set_plan(d, &plan) || !set_images(d, &plan, size, inputs, outputs) || !upload(d, &plan, inputs)) fail_msg("%s", error);
-    assert_true(vk_size(&plan, WIDTH, HEIGHT, d->images[hbil_plan_texture(&plan, "depth")].view,
-                        d->images[hbil_plan_texture(&plan, "normal")].view, d->images[ao].view));
+    for (i = 0; i < 2; ++i) {
+        const int fits = vk_size(&plan, WIDTH, HEIGHT, made[i], d->images[hbil_plan_texture(&plan, "depth")].view,
+                                 d->images[hbil_plan_texture(&plan, "normal")].view, d->images[ao].view);
+        assert_int_equal(fits, i);
+        if (!fits) assert_non_null(strstr(vk_light.message, "depth: your view is 48x26, the frame needs 48x27"));
+    }
     assert_true(begin(d));
     if (!vk_frame(d->cmd, &frame)) fail_msg("%s", vk_light.message);
     assert_true(finish(d));

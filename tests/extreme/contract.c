@@ -94,8 +94,7 @@ int contract_holds(const hbil_plan *plan, const hbil_frame *frame, const image i
     const double near = contract_brightest(plan, frame, inputs) * mean * ROUND, far = far_bound(plan, frame);
     const double direct = largest(input(plan, inputs, "direct"));
     const double sh = contract_brightest(plan, frame, inputs) * SPHERE * ROUND;
-    /* uniform_bent weighs all directions of a slice alike: pi/2 where the normal lies in it */
-    const double bent = plan->config.seed_compat & HBIL_SEED_COMPAT_UNIFORM_BENT ? 1.5708 : 1.0 + 1e-5;
+    const double bent = 1.0 + 1e-5;
     const bound bounds[] = {
         {"ao", 1, 0, 1, 0}, {"uniform_ao", 1, 0, 1, 0}, {"specular_occlusion", 1, 0, 1, 0}, {"multi_bounce", 3, 0, 1 + 1e-6, 0},
         {"near", 3, 0, near, 0}, {"far", 3, 0, far, 0}, {"irradiance", 3, 0, near + far, 0}, {"composite", 3, 0, direct + near + far, 0},

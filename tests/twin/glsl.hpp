@@ -341,7 +341,8 @@ GLSL_RANGE(2, vec2, real) GLSL_RANGE(3, vec3, real) GLSL_RANGE(4, vec4, real) GL
 #define GLSL_MIX(k) mix(a.k, b.k, t.k)
 #define GLSL_MIX_ALL(k) mix(a.k, b.k, t)
 #define GLSL_CHOOSE(k) t.k ? b.k : a.k
-#define GLSL_FLOATS(N, V) GLSL_MAP(N, V, floor) GLSL_MAP(N, V, fract) GLSL_MAP(N, V, sqrt) GLSL_MAP(N, V, inversesqrt) GLSL_MAP(N, V, sin) GLSL_MAP(N, V, cos) \
+#define GLSL_FLOATS(N, V) GLSL_MAP(N, V, floor) GLSL_MAP(N, V, fract) GLSL_MAP(N, V, sqrt) GLSL_MAP(N, V, inversesqrt) \
+    GLSL_MAP(N, V, sin) GLSL_MAP(N, V, cos) \
     GLSL V mix(const V &a, const V &b, const V &t) { return GLSL_##N(V, GLSL_MIX); } \
     GLSL V mix(const V &a, const V &b, real t) { return GLSL_##N(V, GLSL_MIX_ALL); } \
     GLSL V mix(const V &a, const V &b, bvec##N t) { return GLSL_##N(V, GLSL_CHOOSE); } \

@@ -21,7 +21,7 @@ static const char *const configs[] = {
     ALL "environment=cube march=both estimator=bitmask occluder=thick reach=1 storage=half filter=3x3 filter_passes=3",
     "outputs=ao+near+sh+bent march=sweep slices=4 sweep_stride=2 facing=filter filter=5x5 normals=world",
     "outputs=ao+near mips=spread spacing=geometric downscale=2 temporal=yes depth=device depth_far=infinite depth_direction=reversed",
-    "outputs=near+far environment=constant bounces=recursive reproject=scatter mips=weighted slices=1 filter=3x3 exponent=1.5",
+    "outputs=near+far environment=constant bounces=recursive reproject=scatter mips=weighted facing=half_space slices=1 filter=3x3 exponent=1.5",
     "outputs=ao+near+bent bounces=recursive temporal=yes rectify=range reproject=gather downscale=4 interleave=yes normals=depth",
     "outputs=near+ao occluder=heuristic gather=packed sampling=bilinear multisample=yes sample=2 normal_encoding=octahedral_888",
     "outputs=ao+far environment=hook far_visibility=direction projection=orthographic sampling=bilinear gather=side reach=2",
@@ -263,6 +263,24 @@ static void the_whole_matrix_keeps_the_contract(void **unused)
     assert_int_equal(complaints, 0);
 }
 
+/* The one option beyond the limit of hbil-bounds. */
+static void ign_says_what_rounding_makes_of_it_and_nothing_else_does(void **unused)
+{
+    hbil_diag item;
+    hbil_diags diags = { &item, 1, 0 };
+    hbil_config c;
+    (void)unused;
+    memset(&c, 0, sizeof c);
+    assert_int_equal(hbil_config_resolve(&c, &c, &diags), HBIL_OK);
+    assert_int_equal(diags.count, 0);
+    c.noise = HBIL_NOISE_IGN;
+    assert_int_equal(hbil_config_resolve(&c, &c, &diags), HBIL_OK);
+    assert_int_equal(diags.count, 1);
+    assert_int_equal(item.severity, HBIL_NOTE);
+    assert_int_equal(item.option, hbil_option_find("noise", 5, NULL));
+    assert_non_null(strstr(item.text, "3e-3"));
+}
+
 static int begin(void **unused)
 {
     (void)unused;
@@ -290,6 +308,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(hostile_frames_keep_the_contract_and_nothing_is_undefined),
         cmocka_unit_test(the_whole_matrix_keeps_the_contract),
         cmocka_unit_test(float_is_the_device_and_near_double),
+        cmocka_unit_test(ign_says_what_rounding_makes_of_it_and_nothing_else_does),
     };
     const struct CMUnitTest hostile[] = {
         cmocka_unit_test(hostile_frames_keep_the_contract_and_nothing_is_undefined),

@@ -121,10 +121,12 @@ static void put_variants(FILE *f, float large)
 /* The projection with y up again: captures have row 0 at ndc y = -1. */
 static int write_request(const char *path, const capture *cap, char *error, size_t error_size)
 {
-    FILE *f = fopen(path, "w");
-    int   i;
+    char  *text = NULL;
+    size_t size = 0;
+    FILE  *f = open_memstream(&text, &size);
+    int    i, ok;
 
-    if (!f) return frame_error(error, error_size, "%s: cannot be written. Give another --cache", path);
+    if (!f) return frame_error(error, error_size, "%s: out of memory", path);
     fprintf(f, "{ \"width\": %d, \"height\": %d, \"near\": %.9g, \"far\": %.9g, \"projection\": [", cap->width,
             cap->height, (double)cap->near_z, (double)cap->far_z);
     for (i = 0; i < 16; ++i)
@@ -132,7 +134,9 @@ static int write_request(const char *path, const capture *cap, char *error, size
     fputs("],\n  \"variants\": [", f);
     put_variants(f, variant_large(cap));
     fputs("] }\n", f);
-    return fclose(f) == 0 || frame_error(error, error_size, "%s: cannot be written, the disk may be full", path);
+    ok = fclose(f) == 0 ? text_write(path, text, error, error_size) : frame_error(error, error_size, "%s: out of memory", path);
+    free(text);
+    return ok;
 }
 
 int variants_extract(const char *script, const char *cache, const char *folder, const capture *cap, int *missing,
