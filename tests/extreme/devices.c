@@ -13,6 +13,7 @@ typedef struct device_kind {
     void      (*close)(void *it);
     int       (*run)(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size);
     int       (*text)(void *it, const char *pass, const char *text);
+    int       (*hook)(void *it, const char *text);
 } device_kind;
 
 struct device { const device_kind *kind; void *it; };
@@ -20,6 +21,7 @@ struct device { const device_kind *kind; void *it; };
 static void *open_runner(const char *name, char *error, size_t size) { return runner_open(name, 0, error, size); }
 static void close_runner(void *it) { runner_close((runner *)it); }
 static int text_runner(void *it, const char *pass, const char *text) { return runner_text((runner *)it, pass, text); }
+static int hook_runner(void *it, const char *text) { return runner_hook((runner *)it, text); }
 static int run_runner(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size)
 {
     return runner_run((runner *)it, plan, frame, inputs, outputs, 1, NULL, error, size);
@@ -34,6 +36,7 @@ static void *open_twin(const char *name, char *error, size_t size)
 }
 static void close_twin(void *it) { twin_close((twin *)it); }
 static int text_twin(void *it, const char *pass, const char *text) { return twin_text((twin *)it, pass, text); }
+static int hook_twin(void *it, const char *text) { return twin_hook((twin *)it, text); }
 static int run_twin(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size)
 {
     if (!twin_run((twin *)it, plan, frame, inputs, outputs, error, size)) return 0;
@@ -43,10 +46,10 @@ static int run_twin(void *it, const hbil_plan *plan, const hbil_frame *frame, co
 }
 
 static const device_kind kinds[] = {
-    { "vulkan", "vulkan", open_runner, close_runner, run_runner, text_runner },
-    { "gl", "gl", open_runner, close_runner, run_runner, text_runner },
-    { "gles", "gles", open_runner, close_runner, run_runner, text_runner },
-    { "twin", "vulkan", open_twin, close_twin, run_twin, text_twin },
+    { "vulkan", "vulkan", open_runner, close_runner, run_runner, text_runner, hook_runner },
+    { "gl", "gl", open_runner, close_runner, run_runner, text_runner, hook_runner },
+    { "gles", "gles", open_runner, close_runner, run_runner, text_runner, hook_runner },
+    { "twin", "vulkan", open_twin, close_twin, run_twin, text_twin, hook_twin },
 };
 
 device *device_open(const char *name, char *error, size_t error_size)
@@ -85,5 +88,10 @@ int device_run(device *d, const hbil_plan *plan, const hbil_frame *frame, const 
 
 int device_text(device *d, const char *pass, const char *text)
 {
-    return d->kind->text ? d->kind->text(d->it, pass, text) : 0;
+    return d->kind->text(d->it, pass, text);
+}
+
+int device_hook(device *d, const char *text)
+{
+    return d->kind->hook(d->it, text);
 }

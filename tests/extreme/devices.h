@@ -16,7 +16,9 @@ const char *device_target(const device *d);
 /* As runner_run: inputs and outputs by plan texture, outputs are made here and freed by the caller. */
 int         device_run(device *d, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                        image outputs[HBIL_MAX_TEXTURES], char *error, size_t error_size);
-/* As runner_text: this text takes the place of hbil_emit_glsl's for a pass, from now on; NULL: none. 1, or 0: not on this device. */
+/* As runner_text: this text takes the place of hbil_emit_glsl's for a pass, from now on; NULL: none. 1, or 0: out of memory. */
 int         device_text(device *d, const char *pass, const char *text);
+/* As runner_hook: the function of environment=hook; NULL: none. 1, or 0: out of memory. */
+int         device_hook(device *d, const char *text);
 
 #endif

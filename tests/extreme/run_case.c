@@ -1,60 +1,17 @@
-/* run_case.c - the devices' table, and the checks after each frame. */
+/* run_case.c - runs a case frame by frame, and the checks after each. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "contract.h"
+#include "devices.h"
 #include "run_case.h"
 #include "../../examples/frame/runner.h"
-#include "../twin/twin.h"
-
-/* How a kind of device is used; name goes to open. */
-typedef struct subject_kind {
-    const char *name;
-    int32_t     target;
-    void      *(*open)(const char *name, char *error, size_t size);
-    void       (*close)(void *it);
-    int        (*hook)(void *it, const char *text);
-    int        (*text)(void *it, const char *pass, const char *text);
-    int        (*run)(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size);
-} subject_kind;
-
-static void *open_runner(const char *name, char *error, size_t size) { return runner_open(name, 0, error, size); }
-static void  close_runner(void *it) { runner_close((runner *)it); }
-static int   hook_runner(void *it, const char *text) { return runner_hook((runner *)it, text); }
-static int   text_runner(void *it, const char *pass, const char *text) { return runner_text((runner *)it, pass, text); }
-static int   run_runner(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size)
-{
-    return runner_run((runner *)it, plan, frame, inputs, outputs, 1, NULL, error, size);
-}
-
-/* In float, with the min and max that hide no NaN. */
-static void *open_twin(const char *name, char *error, size_t size)
-{
-    twin *t = twin_open(TWIN_FLOAT, TWIN_STICKY);
-    if (!t) frame_error(error, size, "%s: out of memory", name);
-    return t;
-}
-static void  close_twin(void *it) { twin_close((twin *)it); }
-static int   hook_twin(void *it, const char *text) { return twin_hook((twin *)it, text); }
-static int   text_twin(void *it, const char *pass, const char *text) { return twin_text((twin *)it, pass, text); }
-static int   run_twin(void *it, const hbil_plan *plan, const hbil_frame *frame, const image *inputs, image *outputs, char *error, size_t size)
-{
-    return twin_run((twin *)it, plan, frame, inputs, outputs, error, size);
-}
-
-static const subject_kind kinds[] = {
-    { "vulkan", HBIL_TARGET_VULKAN, open_runner, close_runner, hook_runner, text_runner, run_runner },
-    { "gl", HBIL_TARGET_GL, open_runner, close_runner, hook_runner, text_runner, run_runner },
-    { "gles", HBIL_TARGET_GLES, open_runner, close_runner, hook_runner, text_runner, run_runner },
-    { "twin", HBIL_TARGET_VULKAN, open_twin, close_twin, hook_twin, text_twin, run_twin },
-};
 
 struct subject {
-    const subject_kind *kind;
+    device     *device;
     const char *from, *to;
-    void       *it;
     hbil_plan   plan;               /* of the last case */
     char       *text;               /* of a pass, for subject_plant */
 };
@@ -62,15 +19,11 @@ struct subject {
 subject *subject_open(const char *name, char *error, size_t error_size)
 {
     subject *s = (subject *)calloc(1, sizeof *s);
-    size_t i;
     if (!s) return frame_error(error, error_size, "out of memory"), NULL;
-    for (i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (strcmp(kinds[i].name, name) == 0) s->kind = &kinds[i];
-    if (!s->kind) frame_error(error, error_size, "no such device: vulkan, gl, gles or twin");
-    s->it = s->kind ? s->kind->open(name, error, error_size) : NULL;
+    s->device = device_open(name, error, error_size);
     s->text = (char *)malloc(4 * HBIL_GLSL_MAX);
-    if (s->it && s->text && s->kind->hook(s->it, case_hook)) return s;
-    if (s->it) frame_error(error, error_size, "out of memory");
+    if (s->device && s->text && device_hook(s->device, case_hook)) return s;
+    if (s->device) frame_error(error, error_size, "out of memory");
     subject_close(s);
     return NULL;
 }
@@ -78,13 +31,13 @@ subject *subject_open(const char *name, char *error, size_t error_size)
 void subject_close(subject *s)
 {
     if (!s) return;
-    if (s->it) s->kind->close(s->it);
+    device_close(s->device);
     free(s->text);
     free(s);
 }
 
-const char *subject_name(const subject *s)   { return s->kind->name; }
-int32_t     subject_target(const subject *s) { return s->kind->target; }
+const char *subject_name(const subject *s)   { return device_name(s->device); }
+int32_t     subject_target(const subject *s) { return runner_target(device_target(s->device)); }
 
 void subject_plant(subject *s, const char *from, const char *to)
 {
@@ -108,9 +61,9 @@ static int plant(subject *s)
             copy += strlen(s->to);
         }
         strcpy(copy, plain);
-        return s->kind->text(s->it, s->plan.passes[p].name, changed);
+        return device_text(s->device, s->plan.passes[p].name, changed);
     }
-    return s->kind->text(s->it, NULL, NULL);
+    return device_text(s->device, NULL, NULL);
 }
 
 static run_result say(verdict *out, int frame, const char *kind, const char *why)
@@ -320,7 +273,7 @@ static run_result sequence(subject *s, const test_case *c, int again, image kept
         frame.live = &c->live[i];
         memset(outputs, 0, sizeof outputs);
         if (!gather(&s->plan, c, i, inputs, made[i])) result = say(out, i, "out of memory", "out of memory");
-        else if (!s->kind->run(s->it, &s->plan, &frame, inputs, outputs, error, sizeof error)) result = say(out, i, "device", error);
+        else if (!device_run(s->device, &s->plan, &frame, inputs, outputs, error, sizeof error)) result = say(out, i, "device", error);
         else {
             ones = ones && radiance >= 0 && all_one(&inputs[radiance]);
             widen(&s->plan, c, i, inputs, &b);
