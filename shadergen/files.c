@@ -73,10 +73,17 @@ int folder_make(const char *path)
     return 1;
 }
 
+/* Standard output, a terminal, a pipe, /dev/null: written to as it is, where a rename would put a file in its place. */
+static int is_stream(const char *path)
+{
+    struct stat s;
+    return strcmp(path, "-") == 0 || (stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode));
+}
+
 static int same_on_disk(const file *f)
 {
     size_t size = 0;
-    char *data = strcmp(f->path, "-") ? read_all(f->path, &size) : NULL;
+    char *data = is_stream(f->path) ? NULL : read_all(f->path, &size);
     int same = data && size == f->size && memcmp(data, f->data, size) == 0;
     free(data);
     return same;
@@ -84,18 +91,18 @@ static int same_on_disk(const file *f)
 
 static void temporary(char temp[1040], const file *f) { strcat(strcpy(temp, f->path), ".tmp"); }
 
-/* To standard output, or to the temporary file, which is gone again after a failure. */
+/* To a stream, or to the temporary file, which is gone again after a failure. */
 static int write_one(const file *f)
 {
     char temp[1040];
-    int standard = strcmp(f->path, "-") == 0, ok;
+    int standard = strcmp(f->path, "-") == 0, stream = is_stream(f->path), ok;
     FILE *out;
     temporary(temp, f);
-    out = standard ? stdout : fopen(temp, "wb");
+    out = standard ? stdout : fopen(stream ? f->path : temp, "wb");
     ok = out && fwrite(f->data, 1, f->size, out) == f->size && fflush(out) == 0;
     if (out && !standard) {
         ok = fclose(out) == 0 && ok;
-        if (!ok) remove(temp);
+        if (!ok && !stream) remove(temp);
     }
     return ok;
 }
@@ -106,7 +113,7 @@ static int rename_all(const files *list, const char *changed, int count)
     char temp[1040];
     int i;
     for (i = 0; i < count; ++i) {
-        if (!changed[i] || strcmp(list->items[i].path, "-") == 0) continue;
+        if (!changed[i] || is_stream(list->items[i].path)) continue;
         temporary(temp, &list->items[i]);
         if (rename(temp, list->items[i].path)) return i;
     }
@@ -124,7 +131,7 @@ int files_write(files *list, int *stale)
         if (stale && changed[made]) fprintf(stderr, "shadergen: %s is not up to date\n", list->items[made].path);
         if (stale) *stale += changed[made];
         else if (changed[made] && !write_one(&list->items[made])) { bad = made; changed[made] = 0; }
-        else if (!changed[made] && strcmp(list->items[made].path, "-")) { /* what a killed run may have left */
+        else if (!changed[made] && !is_stream(list->items[made].path)) { /* what a killed run may have left */
             temporary(temp, &list->items[made]);
             remove(temp);
         }
@@ -134,7 +141,7 @@ int files_write(files *list, int *stale)
         fprintf(stderr, "shadergen: cannot write %s: %s\n", list->items[bad].path, strerror(errno));
         for (i = 0; i < made; ++i) {
             temporary(temp, &list->items[i]);
-            if (changed[i] && strcmp(list->items[i].path, "-")) remove(temp);
+            if (changed[i] && !is_stream(list->items[i].path)) remove(temp);
         }
     }
     free(changed);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <openexr.h>
@@ -123,6 +124,9 @@ static char *temp_path(const char *path)
 /* ok: move temp onto path. Otherwise, or if that fails: remove it. Frees temp. */
 static int temp_finish(char *temp, const char *path, int ok, char *error, size_t error_size)
 {
+    struct stat there;
+    if (ok && stat(path, &there) == 0 && !S_ISREG(there.st_mode)) /* a device or a pipe: rename would put a file in its place */
+        ok = frame_error(error, error_size, "%s: is no regular file, which a whole one could replace. Choose another path", path);
     if (ok && rename(temp, path) != 0)
         ok = frame_error(error, error_size, "%s: cannot be replaced (%s). Choose a path that can be written", path,
                          strerror(errno));

@@ -32,6 +32,7 @@
 #include <string>
 #include <vector>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <Ogre.h>
@@ -521,6 +522,8 @@ struct Engine {
         bool ok = file && bytes && std::fwrite(bytes, 1, static_cast<size_t>(size), file) == static_cast<size_t>(size);
         std::free(bytes);
         if (file && std::fclose(file) != 0) ok = false;
+        struct stat there;
+        if (stat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode)) ok = false, errno = EINVAL; // a device: not to be replaced
         if (ok && std::rename(temporary.c_str(), path.c_str()) == 0) return;
         const std::string why = std::strerror(errno);
         if (file) std::remove(temporary.c_str());

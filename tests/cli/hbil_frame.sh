@@ -262,6 +262,12 @@ for output in '--out missing/out.exr' '--report missing/report.json' '--png miss
     check "message names ${output#* }" grep -qF -e "${output#* }" ../err.txt
     check "files are as they were: $output" diff -r ../kept .
 done
+mkfifo ../pipe
+for output in '--out ../pipe' '--report ../pipe'; do
+    # shellcheck disable=SC2086
+    expect 3 $frame $output
+    check 'what is no file is not replaced by one' test -p ../pipe
+done
 
 say 'a missing driver'
 # The loader takes the second name where it is older than the first.

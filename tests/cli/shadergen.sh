@@ -146,6 +146,12 @@ echo 'a file' > file
 expect 3 -c missing.hbil
 says 'missing.hbil'
 expect 3 -c .
+mkfifo pipe
+cat pipe > piped.txt &
+expect 0 --pass march -o pipe
+wait
+check 'a pipe gets the text' grep -q '^#version' piped.txt
+check 'and stays a pipe' test -p pipe
 expect 3 --pass march -o file/march.comp
 says 'file/march.comp'
 expect 3 -o file/out/

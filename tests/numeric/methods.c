@@ -22,12 +22,16 @@ static double smooth(double low, double high, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* Unit vector along a, `other` where a is nothing. */
+/* Unit vector along a. */
 static void direction(const double a[3], const double other[3], double out[3])
 {
-    const double l2 = dot(a, a);
+    double l2 = 0.0;
     for (int k = 0; k < 3; ++k) {
-        out[k] = l2 > 1e-12 ? a[k] / sqrt(l2) : other[k];
+        out[k] = a[k] + 2e-5 * other[k]; /* where little is left of a bent vector, it is the normal more and more */
+        l2 += out[k] * out[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        out[k] /= sqrt(l2);
     }
 }
 
@@ -725,7 +729,10 @@ static void far_group(const plane *s, edges *e, uint32_t bits)
         energy += methods_energy(s->nx, s->ny, &arc);
         add_vector(s, b[0], b[1], bent);
     }
-    direction(bent, s->n, axis);
+    for (int k = 0; k < 3; ++k) {
+        world[k] = bent[k] / energy;
+    }
+    direction(world, s->n, axis);
     surround_of(s->o, s->p->position, &at);
     if (has_sh(s->o)) {
         sh_through(&at, energy, bent, energy, axis, rgb);

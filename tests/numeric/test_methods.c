@@ -53,6 +53,13 @@ static void unit(const double a[3], double out[3])
     }
 }
 
+/* The axis of a bent vector: 2e-5 of the normal say where nothing is left of it. */
+static void lean(const double bent[3], const double n[3], double out[3])
+{
+    const double sum[3] = {bent[0] + 2e-5 * n[0], bent[1] + 2e-5 * n[1], bent[2] + 2e-5 * n[2]};
+    unit(sum, out);
+}
+
 /* Gauss-Legendre nodes on [0, 1]: exact for polynomials of degree 2 GAUSS - 1. */
 #define GAUSS 12
 static double g_node[GAUSS], g_weight[GAUSS];
@@ -640,8 +647,8 @@ static void expect_march(const methods_options *o, const fixture *f, const truth
 }
 
 /* Free groups of sectors: their light in the mean direction of each. */
-static void expect_free_bits(const methods_options *o, const double sh[9][3], const double position[3], const truth *t,
-                             double rgb[3])
+static void expect_free_bits(const methods_options *o, const double sh[9][3], const double position[3], const double normal[3],
+                             const truth *t, double rgb[3])
 {
     double energy[4 * SLICES] = {0.0}, bent[4 * SLICES][3] = {{0.0}}, axis[3], w[3], light[3];
     for (int i = 0; i < t->count; ++i) {
@@ -660,7 +667,10 @@ static void expect_free_bits(const methods_options *o, const double sh[9][3], co
         if (energy[g] <= 0.0) {
             continue;
         }
-        unit(bent[g], axis);
+        for (int k = 0; k < 3; ++k) {
+            w[k] = bent[g][k] / energy[g];
+        }
+        lean(w, normal, axis);
         if (sh) {
             sky_radiance(sh, 2, o->sh_order, axis, light);
         } else {
@@ -703,7 +713,7 @@ static void expect_far(const methods_options *o, const fixture *f, const truth *
     const double ao = e->ao, cone = o->seed_compat & METHODS_CONE_RELATION ? 1.0 - ao : sqrt(1.0 - ao);
     const double share = o->seed_compat & METHODS_F0_AO ? ao * (1.0 + 0.5 * pow(1.0 - ao, 0.75)) : ao;
     double       sh[9][3], position[3], axis[3], w[3], rgb[3] = {0.0, 0.0, 0.0};
-    unit(e->bent, axis);
+    lean(e->bent, f->n, axis);
     world_direction(f->p.position, position);
     for (int k = 0; k < 3; ++k) {
         position[k] += g_env.eye[k];
@@ -718,7 +728,7 @@ static void expect_far(const methods_options *o, const fixture *f, const truth *
             rgb[c] = share * g_env.color[c];
         }
     } else if (o->far_visibility == METHODS_FREE_BITS) {
-        expect_free_bits(o, has_sh ? (const double(*)[3])sh : NULL, position, t, rgb);
+        expect_free_bits(o, has_sh ? (const double(*)[3])sh : NULL, position, f->n, t, rgb);
     } else if (has_sh) {
         expect_sh(o, (const double(*)[3])sh, f->n, axis, share, cone, t, e, rgb);
     } else if (o->environment != METHODS_ENVIRONMENT_NONE) {
@@ -739,7 +749,7 @@ static void expect_light(const methods_options *o, const fixture *f, const truth
     const double rough = x * x * (3.0 - 2.0 * x), lobe = acos(exp(-r * r * log(10.0))), nv = dot(f->n, f->p.v);
     double       mirror[3], axis[3];
     expect_far(o, f, t, e);
-    unit(e->bent, axis);
+    lean(e->bent, f->n, axis);
     for (int k = 0; k < 3; ++k) {
         const double a = f->p.albedo[k], v = e->ao;
         const double cubic = ((2.0404 * a - 0.3324) * v * v * v) + (0.6417 - 4.7951 * a) * v * v + (2.7552 * a + 0.6903) * v;
