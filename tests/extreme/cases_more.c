@@ -62,7 +62,7 @@ static void one_plane(const hbil_plan *plan, extreme_frame *out, double x, doubl
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, &q, 1);
     light(plan, out, 1);
-    if (frames_input(plan, out, "roughness")) frames_fill(frames_input(plan, out, "roughness"), 0.3f);
+    if (frames_input(plan, out, "roughness")) frames_fill(frames_input(plan, out, "roughness"), d == -3 ? 0 : 0.3f);
     if (frames_input(plan, out, "f0")) frames_fill(frames_input(plan, out, "f0"), 0);
 }
 
@@ -263,6 +263,9 @@ static void fill_meant(const hbil_plan *plan, int index, extreme_frame *out)
         set_some(plan, out, share_of[i], index ? 3 : 1, 134 + 10 * (uint32_t)i);
         set_some(plan, out, share_of[i], index ? -3 : 0, 135 + 10 * (uint32_t)i);
     }
+    set_some(plan, out, "normal", index ? INFINITY : 0, 52); /* both are replaced by the view vector */
+    set_some(plan, out, "normal", index ? NAN : 0, 53);
+    set_some(plan, out, "normal", index ? 1e20f : 0, 54);
     set_some(plan, out, "albedo", index ? NAN : 0, 36);
     set_some(plan, out, "f0", index ? NAN : 0, 36);
     set_some(plan, out, "depth", index ? NAN : sky, 37);
@@ -375,6 +378,13 @@ static void fill_spikes(const hbil_plan *plan, int index, extreme_frame *out)
     light(plan, out, 1);
     out->frame.index = (uint32_t)index;
     out->frame.reset = index == 0;
+}
+
+/* Spikes of white paint: where nothing is seen the light between them is 0 / 0. */
+static void fill_white_spikes(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    fill_spikes(plan, index, out);
+    frames_fill(frames_input(plan, out, "albedo"), 1);
 }
 
 /* Index 0: the nearest surfaces that are any, through the narrowest camera. 1: a camera so far off its axis that neighbours have one ray:
@@ -760,6 +770,8 @@ const extreme_case extreme_more[] = {
     BEHIND("outputs=ao estimator=hbao reach=1.5 slices=4 noise=none steps=16 attenuation=linear"),
     BEHIND("outputs=ao estimator=hbao_plus reach=1.5 slices=4 noise=none steps=16"),
     BEHIND("outputs=ao reach=1.5 slices=4 noise=none steps=16"),
+    { "truth_white_paint_in_the_dark", "outputs=ao+multi_bounce estimator=hbao_plus multiplier=16 slices=2", 2, fill_white_spikes, NULL, 0 },
+    { "truth_white_paint_in_the_dark", "outputs=ao+multi_bounce estimator=hbao_plus multiplier=16 slices=2 bounce=cubic", 2, fill_white_spikes, NULL, 0 },
     { "truth_cards_have_their_own_normals", "outputs=ao+bent normals=depth slices=8 steps=1 reach=1e-6 noise=none", 2, fill_cards, expect_cards, 0 },
     { "truth_cards_have_their_own_normals", "outputs=ao+bent slices=8 steps=1 reach=1e-6 noise=none filter=5x5 filter_passes=3", 2, fill_cards,
       expect_cards, 0 },
