@@ -3309,7 +3309,7 @@ static const char hbil__glsl_last_HBIL_NOWHERE[] =
 static const char hbil__glsl_last_hbil_pack_seen[] =
 "// View depth and a number of frames in [0, 63]. Relative error of the depth below 1e-5.\n"
 "uint hbil_pack_seen(float z, float frames) {\n"
-"    return (floatBitsToUint(z) & ~63u) | uint(clamp(frames + 0.5, 0.0, 63.0));\n"
+"    return (floatBitsToUint(z) & ~63u) | uint(frames + 0.5);\n"
 "}\n";
 static const char hbil__glsl_last_hbil_seen_depth[] =
 "float hbil_seen_depth(uint code) {\n"
@@ -3428,12 +3428,9 @@ static const char hbil__glsl_last_hbil_find[] =
 "    // written so that NaN is off the screen, too. A branch on uniforms alone makes lavapipe compile anew in each frame\n"
 "    bool seen = all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0));\n"
 "    if (!seen || HBIL_RESET != 0) return t;\n"
-"#if HBIL_PROJECTION_PERSPECTIVE\n"
-"    if (there.z <= 0.0) return t;\n"
-"#endif\n"
 "    there = hbil_last_position(pixel, there.z); // moving things: at the depth of still ones\n"
 "    n = hbil_move(HBIL_LAST_FROM_VIEW, position + n) - hbil_move(HBIL_LAST_FROM_VIEW, position);\n"
-"    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z);\n"
+"    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z); // below 0 behind the eye: nothing is near\n"
 "    t.first = ivec2(floor(pixel - 0.5));\n"
 "    vec2 f = pixel - 0.5 - vec2(t.first);\n"
 "    vec4 w = vec4(1.0 - f.x, f.x, 1.0 - f.x, f.x) * vec4(vec2(1.0 - f.y), vec2(f.y));\n"
@@ -4465,9 +4462,9 @@ static const char hbil__glsl_upsample_main[] =
 "    hbil_finish(p, s);\n"
 "}\n";
 static const char hbil__glsl_light_hbil_angle[] =
-"// acos with the accuracy of atan, which acos does not have on every driver. rad\n"
+"// acos with the accuracy of atan, which acos does not have on every driver. c in [-1, 1]; rad\n"
 "float hbil_angle(float c) {\n"
-"    return atan(sqrt(max((1.0 - c) * (1.0 + c), 0.0)), c);\n"
+"    return atan(sqrt((1.0 - c) * (1.0 + c)), c);\n"
 "}\n";
 static const char hbil__glsl_light_hbil_caps[] =
 "// Solid angle that two spherical caps share. c1, c2: cosines of their half angles; d: angle between their axes, rad.\n"
@@ -4476,14 +4473,15 @@ static const char hbil__glsl_light_hbil_caps[] =
 "    float a2 = hbil_angle(c2);\n"
 "    if (d >= a1 + a2) return 0.0;\n"
 "    if (d <= abs(a1 - a2)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));\n"
-"    float s1 = sqrt(max((1.0 - c1) * (1.0 + c1), 1e-12));\n"
-"    float s2 = sqrt(max((1.0 - c2) * (1.0 + c2), 1e-12));\n"
+"    // from here on no cap is a point, and d is between 0 and pi\n"
+"    float s1 = sqrt((1.0 - c1) * (1.0 + c1));\n"
+"    float s2 = sqrt((1.0 - c2) * (1.0 + c2));\n"
 "    float cd = cos(d);\n"
-"    float sd = max(sin(d), 1e-6);\n"
+"    float sd = sin(d);\n"
 "    float lens = HBIL_PI - hbil_angle(clamp((cd - c1 * c2) / (s1 * s2), -1.0, 1.0))\n"
 "        - c1 * hbil_angle(clamp((c2 - cd * c1) / (sd * s1), -1.0, 1.0))\n"
 "        - c2 * hbil_angle(clamp((c1 - cd * c2) / (sd * s2), -1.0, 1.0));\n"
-"    return max(2.0 * lens, 0.0);\n"
+"    return 2.0 * lens;\n"
 "}\n";
 static const char hbil__glsl_light_hbil_specular_occlusion[] =
 "// Part of the specular lobe that the visible cone leaves: GTSO with the open hemisphere's share of the lobe below it,\n"
@@ -4493,7 +4491,7 @@ static const char hbil__glsl_light_hbil_specular_occlusion[] =
 "    vec3 mirror = 2.0 * dot(n, v) * n - v;\n"
 "    float seen = hbil_caps(sqrt(clamp(1.0 - ao, 0.0, 1.0)), lobe, hbil_angle(clamp(dot(axis, mirror), -1.0, 1.0)));\n"
 "    float open = hbil_caps(0.0, lobe, hbil_angle(clamp(dot(n, mirror), -1.0, 1.0)));\n"
-"    return mix(clamp(seen / max(open, 1e-6), 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));\n"
+"    return mix(clamp(seen / open, 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));\n"
 "}\n";
 static const char hbil__glsl_light_hbil_multi_bounce[] =
 "// Visibility after all bounces between surfaces of this albedo and visibility, per channel.\n"
@@ -4553,7 +4551,7 @@ static const char hbil__glsl_light_hbil_shade[] =
 "#endif\n"
 "#if HBIL_OUTPUTS_SPECULAR_OCCLUSION\n"
 "#if HBIL_ROUGHNESS_0\n"
-"    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);\n"
+"    float roughness = hbil_finite(texelFetch(u_roughness, p, 0).rrr).r;\n"
 "#else\n"
 "    float roughness = HBIL_ROUGHNESS;\n"
 "#endif\n"

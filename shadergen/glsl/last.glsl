@@ -6,7 +6,7 @@ const uint HBIL_NOWHERE = 0xffffffffu; // no surface of last frame falls here
 //@ chunk hbil_pack_seen
 // View depth and a number of frames in [0, 63]. Relative error of the depth below 1e-5.
 uint hbil_pack_seen(float z, float frames) {
-    return (floatBitsToUint(z) & ~63u) | uint(clamp(frames + 0.5, 0.0, 63.0));
+    return (floatBitsToUint(z) & ~63u) | uint(frames + 0.5);
 }
 
 //@ chunk hbil_seen_depth
@@ -138,12 +138,9 @@ hbil_taps hbil_find(ivec2 p, vec3 position, vec3 n) {
     // written so that NaN is off the screen, too. A branch on uniforms alone makes lavapipe compile anew in each frame
     bool seen = all(greaterThan(pixel, vec2(-1.0))) && all(lessThan(pixel, vec2(HBIL_LAST_SIZE) + 1.0));
     if (!seen || HBIL_RESET != 0) return t;
-#if HBIL_PROJECTION_PERSPECTIVE
-    if (there.z <= 0.0) return t;
-#endif
     there = hbil_last_position(pixel, there.z); // moving things: at the depth of still ones
     n = hbil_move(HBIL_LAST_FROM_VIEW, position + n) - hbil_move(HBIL_LAST_FROM_VIEW, position);
-    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z);
+    float limit = HBIL_LAST_PLANE * hbil_depth_scale(there.z); // below 0 behind the eye: nothing is near
     t.first = ivec2(floor(pixel - 0.5));
     vec2 f = pixel - 0.5 - vec2(t.first);
     vec4 w = vec4(1.0 - f.x, f.x, 1.0 - f.x, f.x) * vec4(vec2(1.0 - f.y), vec2(f.y));

@@ -1,9 +1,9 @@
 // light: what follows from visibility per pixel; cone, far light, sums, specular occlusion, bounces.
 
 //@ chunk hbil_angle
-// acos with the accuracy of atan, which acos does not have on every driver. rad
+// acos with the accuracy of atan, which acos does not have on every driver. c in [-1, 1]; rad
 float hbil_angle(float c) {
-    return atan(sqrt(max((1.0 - c) * (1.0 + c), 0.0)), c);
+    return atan(sqrt((1.0 - c) * (1.0 + c)), c);
 }
 
 //@ chunk hbil_caps
@@ -13,14 +13,15 @@ float hbil_caps(float c1, float c2, float d) {
     float a2 = hbil_angle(c2);
     if (d >= a1 + a2) return 0.0;
     if (d <= abs(a1 - a2)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));
-    float s1 = sqrt(max((1.0 - c1) * (1.0 + c1), 1e-12));
-    float s2 = sqrt(max((1.0 - c2) * (1.0 + c2), 1e-12));
+    // from here on no cap is a point, and d is between 0 and pi
+    float s1 = sqrt((1.0 - c1) * (1.0 + c1));
+    float s2 = sqrt((1.0 - c2) * (1.0 + c2));
     float cd = cos(d);
-    float sd = max(sin(d), 1e-6);
+    float sd = sin(d);
     float lens = HBIL_PI - hbil_angle(clamp((cd - c1 * c2) / (s1 * s2), -1.0, 1.0))
         - c1 * hbil_angle(clamp((c2 - cd * c1) / (sd * s1), -1.0, 1.0))
         - c2 * hbil_angle(clamp((c1 - cd * c2) / (sd * s2), -1.0, 1.0));
-    return max(2.0 * lens, 0.0);
+    return 2.0 * lens;
 }
 
 //@ chunk hbil_specular_occlusion
@@ -31,7 +32,7 @@ float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {
     vec3 mirror = 2.0 * dot(n, v) * n - v;
     float seen = hbil_caps(sqrt(clamp(1.0 - ao, 0.0, 1.0)), lobe, hbil_angle(clamp(dot(axis, mirror), -1.0, 1.0)));
     float open = hbil_caps(0.0, lobe, hbil_angle(clamp(dot(n, mirror), -1.0, 1.0)));
-    return mix(clamp(seen / max(open, 1e-6), 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));
+    return mix(clamp(seen / open, 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));
 }
 
 //@ chunk hbil_multi_bounce
@@ -95,7 +96,7 @@ void hbil_shade(ivec2 p, float z) {
 #endif
 #if HBIL_OUTPUTS_SPECULAR_OCCLUSION
 #if HBIL_ROUGHNESS_0
-    float roughness = min(hbil_finite(texelFetch(u_roughness, p, 0).rrr).r, 1.0);
+    float roughness = hbil_finite(texelFetch(u_roughness, p, 0).rrr).r;
 #else
     float roughness = HBIL_ROUGHNESS;
 #endif

@@ -62,7 +62,7 @@ static void one_plane(const hbil_plan *plan, extreme_frame *out, double x, doubl
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, &q, 1);
     light(plan, out, 1);
-    if (frames_input(plan, out, "roughness")) frames_fill(frames_input(plan, out, "roughness"), 0.3f);
+    if (frames_input(plan, out, "roughness")) frames_fill(frames_input(plan, out, "roughness"), d == -3 ? 0 : 0.3f);
     if (frames_input(plan, out, "f0")) frames_fill(frames_input(plan, out, "f0"), 0);
 }
 
@@ -263,6 +263,9 @@ static void fill_meant(const hbil_plan *plan, int index, extreme_frame *out)
         set_some(plan, out, share_of[i], index ? 3 : 1, 134 + 10 * (uint32_t)i);
         set_some(plan, out, share_of[i], index ? -3 : 0, 135 + 10 * (uint32_t)i);
     }
+    set_some(plan, out, "normal", index ? INFINITY : 0, 52); /* both are replaced by the view vector */
+    set_some(plan, out, "normal", index ? NAN : 0, 53);
+    set_some(plan, out, "normal", index ? 1e20f : 0, 54);
     set_some(plan, out, "albedo", index ? NAN : 0, 36);
     set_some(plan, out, "f0", index ? NAN : 0, 36);
     set_some(plan, out, "depth", index ? NAN : sky, 37);
@@ -375,6 +378,13 @@ static void fill_spikes(const hbil_plan *plan, int index, extreme_frame *out)
     light(plan, out, 1);
     out->frame.index = (uint32_t)index;
     out->frame.reset = index == 0;
+}
+
+/* Spikes of white paint: where nothing is seen the light between them is 0 / 0. */
+static void fill_white_spikes(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    fill_spikes(plan, index, out);
+    frames_fill(frames_input(plan, out, "albedo"), 1);
 }
 
 /* Index 0: the nearest surfaces that are any, through the narrowest camera. 1: a camera so far off its axis that neighbours have one ray:
@@ -622,6 +632,70 @@ static int expect_facing(const hbil_plan *plan, int index, const extreme_frame *
     return 1;
 }
 
+/* Plates of one depth each before sky and before each other, one of them a pixel wide: nothing is within reach, so the bent vector is the
+ * plate's normal, up to its last pixel. */
+static void fill_cards(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    const camera c = camera_of(plan);
+    const double facing[3] = { 0, 0, 1 }, leaning[3] = { 0.6, 0, 0.8 };
+    int p;
+    frames_begin(plan, out, &c, 0);
+    for (p = 0; p < WIDTH * HEIGHT; ++p) {
+        const int x = p % WIDTH, y = p / WIDTH;
+        double ray[2];
+        frames_ray(plan, &out->frame, x + 0.5, y + 0.5, ray);
+        if (x >= 8 && x < 20 && y >= 6 && y < 30) frames_put(plan, out, x, y, 2, facing);
+        else if (index == 0 && x == 24 && y >= 1 && y < 8) frames_put(plan, out, x, y, 2, facing);
+        else if (x >= 15 && x < 42 && y >= 10 && y < 36) frames_put(plan, out, x, y, 2.4 / (0.8 - 0.6 * ray[0]), leaning);
+    }
+    out->frame.reset = 1;
+}
+
+static int expect_cards(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *bent = output(plan, outputs, "bent");
+    const float *z = f->inputs[hbil_plan_texture(plan, "depth")].data;
+    int p;
+    (void)index;
+    for (p = 0; p < WIDTH * HEIGHT; ++p) {
+        const double nx = z[p] == 2 ? 0 : 0.6, nz = z[p] == 2 ? 1 : 0.8;
+        const float *b = bent->data + bent->channels * p;
+        if (is_sky(f, plan, p) ? b[0] == 0 && b[2] == 0 : fabs((double)b[0] - nx * 2 / 3) < 0.03 && fabs((double)b[1]) < 0.03 && fabs((double)b[2] - nz * 2 / 3) < 0.03) continue;
+        snprintf(why, size, "bent of pixel (%d, %d), depth %g: %g %g %g", p % WIDTH, p / WIDTH, (double)z[p], (double)b[0], (double)b[1], (double)b[2]);
+        return 0;
+    }
+    return 1;
+}
+
+/* A pit that sees little: little of its mirror's lobe is left. */
+static void fill_shaft(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    const camera c = camera_of(plan);
+    const double n[3] = { 0, 0, 1 };
+    int p;
+    (void)index;
+    frames_begin(plan, out, &c, 0);
+    for (p = 0; p < WIDTH * HEIGHT; ++p)
+        frames_put(plan, out, p % WIDTH, p / WIDTH, abs(p % WIDTH - WIDTH / 2) + abs(p / WIDTH - HEIGHT / 2) < 6 ? 6 : 1, n);
+    out->frame.reset = 1;
+}
+
+static int expect_shaft(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *ao = output(plan, outputs, "ao"), *so = output(plan, outputs, "specular_occlusion");
+    int p, n = 0;
+    (void)index;
+    (void)f;
+    for (p = 0; p < WIDTH * HEIGHT; ++p) {
+        if (ao->data[p] > 0.03f) continue;
+        ++n;
+        if (so->data[p] < 0.5f) continue;
+        snprintf(why, size, "pixel (%d, %d): specular occlusion %g, ao %g", p % WIDTH, p / WIDTH, (double)so->data[p], (double)ao->data[p]);
+        return 0;
+    }
+    return n > 4 || snprintf(why, size, "no pixel is hidden") < 0;
+}
+
 /* -------------------------------------------------------------------------------------------------------------- the table */
 
 #define SPIKES(config) { "truth_spikes", config, 2, fill_spikes, NULL, 0 },
@@ -696,6 +770,15 @@ const extreme_case extreme_more[] = {
     BEHIND("outputs=ao estimator=hbao reach=1.5 slices=4 noise=none steps=16 attenuation=linear"),
     BEHIND("outputs=ao estimator=hbao_plus reach=1.5 slices=4 noise=none steps=16"),
     BEHIND("outputs=ao reach=1.5 slices=4 noise=none steps=16"),
+    { "truth_white_paint_in_the_dark", "outputs=ao+multi_bounce estimator=hbao_plus multiplier=16 slices=2", 2, fill_white_spikes, NULL, 0 },
+    { "truth_white_paint_in_the_dark", "outputs=ao+multi_bounce estimator=hbao_plus multiplier=16 slices=2 bounce=cubic", 2, fill_white_spikes, NULL, 0 },
+    { "truth_cards_have_their_own_normals", "outputs=ao+bent normals=depth slices=8 steps=1 reach=1e-6 noise=none", 2, fill_cards, expect_cards, 0 },
+    { "truth_cards_have_their_own_normals", "outputs=ao+bent slices=8 steps=1 reach=1e-6 noise=none filter=5x5 filter_passes=3", 2, fill_cards,
+      expect_cards, 0 },
+    { "truth_cards_have_their_own_normals", "outputs=ao+bent slices=8 steps=1 reach=1e-6 noise=none downscale=2", 2, fill_cards, expect_cards, 0 },
+    { "truth_cards_have_their_own_normals", "outputs=ao+bent slices=8 steps=1 reach=1e-6 noise=none downscale=2 filter=3x3", 2, fill_cards,
+      expect_cards, 0 },
+    { "truth_shafts_mirror_little", "outputs=ao+specular_occlusion roughness=0.45 slices=8 steps=32 noise=none", 1, fill_shaft, expect_shaft, 0 },
     { "truth_samples_beyond_the_border_do_not_count", "outputs=ao estimator=hbao_plus slices=1 steps=64 noise=none exponent=1", 1, fill_foot,
       expect_foot, 0 },
     STEP("outputs=ao+near slices=4 steps=8 facing=half_space"),
