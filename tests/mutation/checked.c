@@ -3,7 +3,7 @@
  *   int(), uint(), ivec2(), uvec3()      of numbers that do not fit, NaN
  *   a / b, a /= b                        b = 0
  *   a << b, a >> b                       b outside [0, 31]
- *   clamp                                of NaN, or between bounds that are the wrong way round
+ *   clamp, smoothstep                    of NaN, or between bounds that are the wrong way round
  *   texelFetch, imageLoad, imageStore    outside the texture
  * A fault changes no result: it is written to the output "faults". */
 #include <ctype.h>
@@ -141,7 +141,7 @@ static int token(const char *s, const char *name) { return strncmp(s, name, strl
 
 static void rewrite(writer *w, const char *s, const char *end)
 {
-    static const char *const calls[] = { "sqrt", "log2", "inversesqrt", "normalize", "int", "uint", "ivec2", "uvec2", "uvec3", "clamp" };
+    static const char *const calls[] = { "sqrt", "log2", "inversesqrt", "normalize", "int", "uint", "ivec2", "uvec2", "uvec3", "clamp", "smoothstep" };
     while (s < end) {
         const int begins = !is_word(s[-1]) && s[-1] != '.';
         size_t i;
@@ -212,6 +212,7 @@ static const char prelude[] =
     "vec3 ck_clamp(vec3 x, float a, float b) { ck_need(!any(isnan(x)), 16u); return clamp(x, a, b); }\n"
     "vec3 ck_clamp(vec3 x, vec3 a, vec3 b) { ck_need(!any(isnan(x)) && all(lessThanEqual(a, b)), 16u); return clamp(x, a, b); }\n"
     "vec4 ck_clamp(vec4 x, vec4 a, vec4 b) { ck_need(!any(isnan(x)) && all(lessThanEqual(a, b)), 16u); return clamp(x, a, b); }\n"
+    "float ck_smoothstep(float a, float b, float x) { ck_need(!isnan(x), 16u); return smoothstep(a, b, x); }\n"
     "int ck_clamp(int x, int a, int b) { return clamp(x, a, b); }\n"
     "ivec2 ck_clamp(ivec2 x, ivec2 a, ivec2 b) { return clamp(x, a, b); }\n"
     "ivec2 ck_in(ivec2 p, ivec2 size) { ck_need(p == clamp(p, ivec2(0), size - 1), 8u); return p; }\n"

@@ -295,6 +295,7 @@ static int chosen(int index, const options *o, const table *t)
     char reason[WORDS];
     if (o->open && (is_known(t, &guards.at[index]) || excepted(t, guards.at[index].id, reason, sizeof reason))) return 0;
     if (o->only && !strstr(guards.at[index].id, o->only)) return 0;
+    if (o->sample && !is_known(t, &guards.at[index])) return 0;
     return o->sample == 0 || index % ((guards.count + o->sample - 1) / o->sample) == 0;
 }
 
@@ -350,7 +351,7 @@ static const char help[] =
     "  --list          the guards that the sources have\n"
     "  --only TEXT     guards whose id has this part\n"
     "  --cases TEXT    cases whose name has this part\n"
-    "  --sample N      about N guards, evenly from the list\n"
+    "  --sample N      at most N of those that have a row in the table, evenly from all\n"
     "  --open          only guards that the table does not have\n"
     "  --quick         only the hazards and the cases with a truth of their own\n"
     "  --lint          only compare the sources with the table: every guard has a row or an exception\n"
