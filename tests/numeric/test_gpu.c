@@ -426,7 +426,7 @@ static int check_centres(const char *name)
 {
     const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 64, .steps = 256};
     /* full size takes minutes on two cores */
-    return check_against_brute_force(name, &config, 1, getenv("HBIL_LONG") ? 640 : 214, &k_centres);
+    return check_against_brute_force(name, &config, 1, getenv("HBIL_LONG") ? 640 : 320, &k_centres);
 }
 
 static void brute_force_is_near_the_march_over_pixel_centres(void **state)
