@@ -3868,7 +3868,7 @@ static const char hbil__glsl_mips_hbil_reduce[] =
 "    float mean = dot(w, known) * inv;\n"
 "#if HBIL_MIPS_SPREAD\n"
 "    vec4 off = known - mean;\n"
-"    mean += sqrt(max(dot(w, off * off) * inv, 0.0));\n"
+"    mean += sqrt(dot(w, off * off) * inv);\n"
 "#endif\n"
 "    hbil_tile[i] = all > 0.0 ? mean : -1e30;\n"
 "#if HBIL_GATHER\n"

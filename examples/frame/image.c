@@ -125,7 +125,7 @@ static char *temp_path(const char *path)
 static int temp_finish(char *temp, const char *path, int ok, char *error, size_t error_size)
 {
     struct stat there;
-    if (ok && stat(path, &there) == 0 && !S_ISREG(there.st_mode)) /* a device or a pipe: rename would put a file in its place */
+    if (ok && stat(path, &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode)) /* a device or a pipe: rename would put a file in its place */
         ok = frame_error(error, error_size, "%s: is no regular file, which a whole one could replace. Choose another path", path);
     if (ok && rename(temp, path) != 0)
         ok = frame_error(error, error_size, "%s: cannot be replaced (%s). Choose a path that can be written", path,

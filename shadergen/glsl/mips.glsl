@@ -58,7 +58,7 @@ void hbil_reduce(int i, int stride) {
     float mean = dot(w, known) * inv;
 #if HBIL_MIPS_SPREAD
     vec4 off = known - mean;
-    mean += sqrt(max(dot(w, off * off) * inv, 0.0));
+    mean += sqrt(dot(w, off * off) * inv);
 #endif
     hbil_tile[i] = all > 0.0 ? mean : -1e30;
 #if HBIL_GATHER

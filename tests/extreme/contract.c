@@ -97,7 +97,8 @@ int contract_holds(const hbil_plan *plan, const hbil_frame *frame, const image i
     const double bent = 1.0 + 1e-5;
     const bound bounds[] = {
         {"ao", 1, 0, 1, 0}, {"uniform_ao", 1, 0, 1, 0}, {"specular_occlusion", 1, 0, 1, 0}, {"multi_bounce", 3, 0, 1 + 1e-6, 0},
-        {"near", 3, 0, near, 0}, {"far", 3, 0, far, 0}, {"irradiance", 3, 0, near + far, 0}, {"composite", 3, 0, direct + near + far, 0},
+        {"near", 3, 0, near, 0}, {"far", 3, 0, far, 0}, {"irradiance", 3, 0, near + far, 0},
+        {"composite", 3, 0, (direct + near + far) * (1 + 1e-6), 0}, /* the sum is rounded */
         {"bent", 3, -2, 2, bent}, {"cone", 3, -1 - 1e-5, 1 + 1e-5, 1 + 1e-5}, {"sh", 4, -fmax(sh, SPHERE), fmax(sh, SPHERE), 0},
     };
     size_t i;
