@@ -50,4 +50,10 @@ while IFS= read -r message; do
     else say FAILED "no such message: $message"; fi
 done < "$temp/messages"
 [ "$(wc -l < "$temp/messages")" -ge 8 ] || say FAILED 'README.md: the table of what is refused is not found'
+# figures of that chapter which files hold
+figure() { if grep -qF -e "$1" "$root/README.md"; then say ok "figure: $1"; else say FAILED "README.md does not say: $1"; fi; }
+figure " of $(find "$root/tests/fuzz/corpus" -type f ! -path '*/found/*' | wc -l) files in every \`make test\`"
+if [ -x "$bin/hbil-mutate" ]; then
+    figure "$("$bin/hbil-mutate" --root "$root" --lint | sed -n 's/.*: \([0-9]* have a case.*open\)$/\1/p')"
+fi
 exit $failed

@@ -6,7 +6,6 @@
 #include "contract.h"
 
 #define RADIANCE_MAX 60000.0 /* HBIL_RADIANCE_MAX of the shaders */
-#define GAIN_MAX 0.95        /* HBIL_GAIN_MAX */
 #define ROUND 1.01           /* packed radiance .002, half floats .0005, fp32 sums of 64 slices, the fit F0(ao) .0061 */
 #define SPHERE 12.56637062
 
@@ -60,11 +59,10 @@ double contract_brightest(const hbil_plan *plan, const hbil_frame *frame, const 
 /* One output: its channels 0..n-1 lie in [low, high]; a vector's length is at most `length` (0: not checked). */
 typedef struct bound { const char *name; int channels; double low, high, length; } bound;
 
-static int check(const hbil_plan *plan, const bound *b, const image *img, char *why, size_t size)
+static int check(const bound *b, const image *img, char *why, size_t size)
 {
     const int texels = img->width * img->height * image_slices(img);
     int i, k;
-    (void)plan;
     contract_values += (unsigned long long)texels * (unsigned long long)img->channels;
     for (i = 0; i < texels; ++i) {
         const float *v = img->data + (size_t)i * (size_t)img->channels;
@@ -96,7 +94,8 @@ int contract_holds(const hbil_plan *plan, const hbil_frame *frame, const image i
     const double sh = contract_brightest(plan, frame, inputs) * SPHERE * ROUND;
     const double bent = 1.0 + 1e-5;
     const bound bounds[] = {
-        {"ao", 1, 0, 1, 0}, {"uniform_ao", 1, 0, 1, 0}, {"specular_occlusion", 1, 0, 1, 0}, {"multi_bounce", 3, 0, 1 + 1e-6, 0},
+        {"ao", 1, 0, 1, 0}, {"uniform_ao", 1, 0, 1, 0}, {"specular_occlusion", 1, 0, 1, 0},
+        {"multi_bounce", 3, 0, 1 + 1e-6, 0}, /* a quotient, which devices round either way */
         {"near", 3, 0, near, 0}, {"far", 3, 0, far, 0}, {"irradiance", 3, 0, near + far, 0},
         {"composite", 3, 0, (direct + near + far) * (1 + 1e-6), 0}, /* the sum is rounded */
         {"bent", 3, -2, 2, bent}, {"cone", 3, -1 - 1e-5, 1 + 1e-5, 1 + 1e-5}, {"sh", 4, -fmax(sh, SPHERE), fmax(sh, SPHERE), 0},
@@ -107,7 +106,7 @@ int contract_holds(const hbil_plan *plan, const hbil_frame *frame, const image i
         if (plan->textures[t].life != HBIL_LIFE_OUTPUT || !outputs[t].data) continue;
         for (i = 0; i < sizeof bounds / sizeof *bounds && strcmp(bounds[i].name, plan->textures[t].name); ++i) { }
         if (i == sizeof bounds / sizeof *bounds) return snprintf(why, size, "%s: no bound is known", plan->textures[t].name), 0;
-        if (!check(plan, &bounds[i], &outputs[t], why, size)) return 0;
+        if (!check(&bounds[i], &outputs[t], why, size)) return 0;
     }
     return 1;
 }

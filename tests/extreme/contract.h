@@ -7,7 +7,7 @@
 #include "../../examples/frame/image.h"
 
 /* The largest radiance that a frame can send to a receiver: largest channel of the input `radiance` as the shader reads it, with firefly and
- * near_intensity, and the geometric series of recursive bounces. 0 where the plan reads none. */
+ * near_intensity. With bounces=recursive 60000 times that: history may be of a brighter frame. 0 where the plan reads none. */
 double contract_brightest(const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES]);
 
 /* Values checked so far by contract_holds, of all outputs. */

@@ -7,7 +7,7 @@
 #include "checked.h"
 #include "emit.h"
 #include "trial.h"
-#include "../extreme/cases_more.h"
+#include "../extreme/truths.h"
 #include "../extreme/contract.h"
 #include "../../examples/frame/runner.h"
 
@@ -31,12 +31,12 @@ static const char hook[] =
     "    return direction.z > 0.5 ? vec3(1e30) : vec3(0.5);\n"
     "}\n";
 
-int trial_count(void) { return extreme_case_count + extreme_more_count; }
+int trial_count(void) { return extreme_case_count + extreme_truth_count; }
 
 const extreme_case *trial_case(int at)
 {
     const int index = order[at];
-    return index < extreme_case_count ? &extreme_cases[index] : &extreme_more[index - extreme_case_count];
+    return index < extreme_case_count ? &extreme_cases[index] : &extreme_truths[index - extreme_case_count];
 }
 
 static int draws(const extreme_case *c) { return strstr(c->config, "stage=fragment") != NULL; }

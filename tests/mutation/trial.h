@@ -5,7 +5,7 @@
 #include "../extreme/cases.h"
 #include "guards.h"
 
-/* All cases: those of tests/extreme, and cases_more.c. */
+/* All cases: those of tests/extreme, and truths.c. */
 int                 trial_count(void);
 const extreme_case *trial_case(int index);
 /* Cases of one config have the same number, and stand together. */

@@ -1,10 +1,10 @@
-/* cases_more.c - see cases_more.h. View space: x right, y up, z towards the eye. Depth is linear in all of them. */
+/* truths.c - see truths.h. View space: x right, y up, z towards the eye. Depth is linear in all of them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cases_more.h"
+#include "truths.h"
 #include "frames.h"
 
 enum { WIDTH = 48, HEIGHT = 40 };
@@ -763,7 +763,7 @@ static int expect_shaft(const hbil_plan *plan, int index, const extreme_frame *f
 #define STILL(config, frames) { "truth_a_still_world_stays", config, frames, fill_still, expect_still, 0 }
 #define PLATES(config) { "truth_plates_keep_their_own", config, 1, fill_plates, expect_plates, 0 }
 
-const extreme_case extreme_more[] = {
+const extreme_case extreme_truths[] = {
     MARCHES(ODD) MARCHES(TINY) MARCHES(SPIKES) FRAMES(ODD) FRAMES(RESIZE) FRAMES(TURNING)
     LOBES("outputs=ao+far environment=sh far_visibility=bent slices=2"),
     LOBES("outputs=ao+far environment=sh far_visibility=ao slices=2"),
@@ -881,4 +881,4 @@ const extreme_case extreme_more[] = {
     OPEN("outputs=ao+near slices=2 downscale=4", 5),
     OPEN("outputs=ao+near+bent slices=8 noise=none stage=fragment", 5),
 };
-const int extreme_more_count = (int)(sizeof extreme_more / sizeof *extreme_more);
+const int extreme_truth_count = (int)(sizeof extreme_truths / sizeof *extreme_truths);
