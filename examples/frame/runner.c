@@ -157,7 +157,8 @@ static void room_of(const hbil_plan *plan, const image *inputs, const uint32_t f
 static void crop(image *img, uint32_t width, uint32_t height)
 {
     const size_t row = (size_t)width * (size_t)img->channels, stride = (size_t)img->width * (size_t)img->channels;
-    if (img->data == NULL || ((uint32_t)img->width == width && (uint32_t)img->height == height)) return;
+    if (img->data == NULL || (uint32_t)img->width < width || (uint32_t)img->height < height) return; /* a coarser grid's */
+    if ((uint32_t)img->width == width && (uint32_t)img->height == height) return;
     for (size_t s = 0; s < (size_t)image_slices(img); ++s)
         for (size_t y = 0; y < height; ++y)
             memmove(img->data + (s * height + y) * row, img->data + (s * (size_t)img->height + y) * stride, row * sizeof *img->data);

@@ -616,9 +616,10 @@ static int set_plan(vk_device *d, const hbil_plan *plan)
     return ok;
 }
 
+/* A plan for tests may make OUTPUTs of its transient textures: the bits of unsigned ones are kept as they are. */
 static int output_channels(VkFormat format)
 {
-    return format == VK_FORMAT_R32_SFLOAT ? 1 : format == VK_FORMAT_R32G32B32A32_SFLOAT ? 4 : 0;
+    return format == VK_FORMAT_R32_SFLOAT || format == VK_FORMAT_R32_UINT ? 1 : format == VK_FORMAT_R32G32B32A32_SFLOAT ? 4 : 0;
 }
 
 /* The shape of an INPUT or OUTPUT; makes the image that the caller gets of an OUTPUT. */
@@ -638,7 +639,7 @@ static int shape_of(vk_device *d, const hbil_plan *plan, uint32_t i, const uint3
         return 1;
     }
     s->format = hbil_vk_format((hbil_format)tex->format);
-    if (output_channels(s->format) == 0) return FAIL(d, "output %s does not hold floats", tex->name);
+    if (output_channels(s->format) == 0) return FAIL(d, "output %s has no format that can be read back", tex->name);
     if (hbil_plan_extent(plan, (int32_t)i, size[0], size[1], extent) != HBIL_OK ||
         !image_make_slices(out, (int)extent[0], (int)extent[1], tex->layers, output_channels(s->format)))
         return FAIL(d, "output %s cannot be made for a frame of %ux%u", tex->name, size[0], size[1]);

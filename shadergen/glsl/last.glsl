@@ -53,7 +53,7 @@ vec3 hbil_landing(ivec2 q, float z) {
 // The pixel of this frame on which a pixel q of last frame falls, and its depth there. False: on none.
 bool hbil_land(ivec2 q, out ivec2 p, out float z) {
     float before = hbil_seen_depth(texelFetch(u_last_seen, q, 0).r);
-    if (!(before < 0.5 * HBIL_SKY)) return false; // NaN too
+    if (before >= 0.5 * HBIL_SKY) return false;
     vec3 landing = hbil_landing(q, before);
     // before it is made an int: none holds NaN or what is far away
     if (!(all(greaterThanEqual(landing.xy, vec2(0.0))) && all(lessThan(landing.xy, vec2(HBIL_SIZE))))) return false;

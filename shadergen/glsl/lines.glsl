@@ -29,7 +29,7 @@ hbil_line hbil_line_of(int direction) {
     l.d = vec2(cos(phi), sin(phi));
     l.is_row = turn < 0.5;
     float slope = l.is_row ? l.d.y / l.d.x : l.d.x / l.d.y;
-    l.slope = int(floor(slope * (65536.0 / float(HBIL_SWEEP_STRIDE)) + 0.5));
+    l.slope = int(roundEven(slope * (65536.0 / float(HBIL_SWEEP_STRIDE))));
     return l;
 }
 

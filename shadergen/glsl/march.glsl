@@ -165,8 +165,8 @@ void hbil_store_sh(hbil_sums sum, float scale, inout vec4 s[HBIL_LAYERS]) {
 void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
     for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = vec4(0.0);
 #if HBIL_RATIO && !HBIL_DEFER
-    // what few slices get wrong about an open sky cancels. max: rounding must not make light
-    float scale = 1.0 / max(max(sum.full, sum.blocked), 1e-30);
+    // what few slices get wrong about an open sky cancels. Never 0: n.v is not
+    float scale = 1.0 / sum.full;
 #elif HBIL_DEFER || (HBIL_SEED_COMPAT_SLICE_MEAN && HBIL_COSINE && (HBIL_VISIBILITY || HBIL_GATHER || HBIL_FAR_BITS))
     float scale = hbil_mean(sum);
 #endif

@@ -72,7 +72,7 @@ vec3 hbil_load_raw_normal(ivec2 p) {
     return hbil_unfold(t.xy * 2.0 - 1.0);
 #elif HBIL_NORMAL_ENCODING_OCTAHEDRAL_888
     // low bytes of x and y, then their high halves in one byte
-    uvec3 b = uvec3(min(hbil_finite(t), 1.0) * 255.0 + 0.5);
+    uvec3 b = uvec3(hbil_finite(t) * 255.0 + 0.5);
     uvec2 o = b.xy | uvec2((b.z & 15u) << 8, (b.z >> 4) << 8);
     return hbil_unfold(vec2(o) / 4095.0 * 2.0 - 1.0);
 #elif HBIL_NORMAL_ENCODING_XY || HBIL_NORMAL_ENCODING_XY_UNORM
@@ -106,7 +106,8 @@ vec3 hbil_tangent(ivec2 p, ivec2 axis, float z) {
     float bend_right = abs(2.0 * right - hbil_neighbour(p + 2 * axis) - here);
     bool lost_left = left < -1e29;
     bool lost_right = right < -1e29;
-    float side = lost_right || (!lost_left && bend_left < bend_right) ? -1.0 : 1.0;
+    // right where both bend alike: by 1e30, if the first pixel of one side and the second of the other are lost
+    float side = lost_right || bend_left < bend_right ? -1.0 : 1.0;
     float there = side < 0.0 ? left : right;
     if (lost_left && lost_right) there = here;
     vec2 q = hbil_centre(p + int(side) * axis);
@@ -127,7 +128,7 @@ vec3 hbil_view_normal(ivec2 p, float z) {
     vec3 n = hbil_load_raw_normal(p) * vec3(1.0, 1.0, HBIL_VIEW_Z);
 #endif
     float l2 = dot(n, n);
-    return l2 > 1e-12 && l2 < 1e12 ? n * inversesqrt(l2) : v;
+    return l2 > 0.0 && l2 < 1e12 ? n * inversesqrt(l2) : v;
 }
 
 //@ chunk main

@@ -29,7 +29,7 @@ vec4 hbil_push_pair(ivec2 q) {
 //@ chunk main
 void main() {
     ivec2 q = hbil_texel();
-    if (any(greaterThanEqual(64 * q, HBIL_SIZE)) || !hbil_has_pushed()) return;
+    if (!hbil_has_pushed()) return;
     hbil_push_far(q, 6, hbil_push_pair(2 * q), hbil_push_pair(2 * q + ivec2(1, 0)),
         hbil_push_pair(2 * q + ivec2(0, 1)), hbil_push_pair(2 * q + 1));
 }

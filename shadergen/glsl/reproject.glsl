@@ -21,7 +21,7 @@ vec3 hbil_pull(ivec2 p, float z) {
                 : level < 4 ? texelFetch(u_pushed_8, q, 0) : texelFetch(u_pushed_far, hbil_pushed_far_at(q, level), 0);
             if (t.a == 0.0 || abs(t.a - z) > HBIL_SAME_DEPTH * hbil_depth_scale(z)) continue;
             vec2 w = mix(1.0 - f, f, vec2(o));
-            sum += (w.x * w.y + 1e-3) * vec4(t.rgb, 1.0);
+            sum += w.x * w.y * vec4(t.rgb, 1.0); // at is never whole: no weight is 0
         }
         if (sum.a > 0.0) return sum.rgb / sum.a;
     }

@@ -14,21 +14,18 @@ void main() {
         if (z[taken] >= HBIL_SKY || (z[i] < HBIL_SKY && (farthest ? z[i] > z[taken] : z[i] < z[taken]))) taken = i;
     uint code = texelFetch(u_full_normal, hbil_quad(p, taken), 0).r;
     float depth = z[taken];
-    if (depth < HBIL_SKY) {
-        vec2 first = hbil_centre(hbil_quad(p, 0));
-        hbil_surface s = hbil_surface_at(hbil_centre(hbil_quad(p, taken)), depth, code);
-        bool flat_here = true;
-        for (int i = 0; i < 4; ++i)
-            flat_here = flat_here && z[i] < HBIL_SKY
-                && abs(dot(s.n, hbil_position(hbil_centre(hbil_quad(p, i)), z[i]) - s.position)) < 0.5 * s.pixel;
-        if (flat_here) {
-            // 0.5 but in blocks that leave the frame
-            vec2 t = (vec2(p) + 0.5 - first) * float(HBIL_DOWNSCALE);
-            float nearness = mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), t.x),
-                mix(hbil_nearness(z.z), hbil_nearness(z.w), t.x), t.y);
-            float middle = hbil_depth_of(nearness);
-            if (abs(middle - depth) < 0.5 * hbil_depth_scale(depth)) depth = middle; // NaN not
-        }
+    hbil_surface s = hbil_surface_at(hbil_centre(hbil_quad(p, taken)), depth, code);
+    bool flat_here = depth < HBIL_SKY;
+    for (int i = 0; i < 4; ++i)
+        flat_here = flat_here
+            && abs(dot(s.n, hbil_position(hbil_centre(hbil_quad(p, i)), z[i]) - s.position)) < 0.5 * s.pixel;
+    if (flat_here) {
+        // 0.5 but in blocks that leave the frame
+        vec2 t = (vec2(p) + 0.5 - hbil_centre(hbil_quad(p, 0))) * float(HBIL_DOWNSCALE);
+        float nearness = mix(mix(hbil_nearness(z.x), hbil_nearness(z.y), t.x),
+            mix(hbil_nearness(z.z), hbil_nearness(z.w), t.x), t.y);
+        float middle = hbil_depth_of(nearness);
+        if (abs(middle - depth) < 0.5 * hbil_depth_scale(depth)) depth = middle; // NaN not
     }
     imageStore(u_view_depth, p, vec4(depth));
     imageStore(u_view_normal, p, uvec4(code));

@@ -96,7 +96,7 @@ void hbil_store_sh_at(ivec2 p, vec4 a, vec4 b, vec4 c, vec4 d) {
 // A signal to outputs.
 void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
 #if HBIL_DEFER
-    float scale = 1.0 / max(s[HBIL_AT_BENT].a, 1e-20);
+    float scale = 1.0 / s[HBIL_AT_BENT].a; // never 0: n.v is not
     s[0] *= scale;
     s[0].a = 1.0 - s[0].a;
 #if HBIL_FAR_BITS
@@ -125,7 +125,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     imageStore(u_bent, p, vec4(bent, 1.0));
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO
-    imageStore(u_uniform_ao, p, vec4(clamp(s[HBIL_AT_FAR].a, 0.0, 1.0)));
+    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));
 #endif
 #if HBIL_NEAR_LIGHT
     vec3 near = s[0].rgb;
@@ -201,14 +201,14 @@ hbil_surface hbil_surface_at(vec2 pixel, float z, uint normal) {
 }
 
 //@ chunk hbil_belongs
-// How far pixel q of the grid, `gap` pixels away, is part of a surface. [0, 1]
+// How far pixel q of the grid, `gap` pixels away, is part of a surface: up to 1, 0 and less is not.
 float hbil_belongs(hbil_surface s, ivec2 q, float gap) {
     float z = hbil_load_depth(q);
     if (z >= HBIL_SKY) return 0.0;
     float off = abs(dot(s.n, hbil_position(vec2(q) + 0.5, z) - s.position));
     vec2 turn = hbil_unpack_snorm(texelFetch(u_view_normal, q, 0).r) - s.code;
-    return clamp(1.0 - off / max(HBIL_FILTER_PLANE * gap * s.pixel, 1e-30), 0.0, 1.0)
-        * clamp(1.0 - HBIL_FILTER_NORMAL * dot(turn, turn), 0.0, 1.0);
+    return max(1.0 - off / max(HBIL_FILTER_PLANE * gap * s.pixel, 1e-30), 0.0)
+        * (1.0 - HBIL_FILTER_NORMAL * dot(turn, turn));
 }
 
 //@ chunk HBIL_FILTER_RADIUS

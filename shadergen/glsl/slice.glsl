@@ -86,9 +86,10 @@ float hbil_offset(float t, float reach_px) {
 }
 
 //@ chunk hbil_border
-// Pixels from p along the unit direction d until the screen ends.
+// Pixels from p along the unit direction d until the screen ends; a little less, so that rounding leads nowhere
+// outside.
 float hbil_border(ivec2 p, vec2 d) {
-    vec2 room = mix(vec2(p), vec2(HBIL_SIZE - 1 - p), greaterThan(d, vec2(0.0))) + 0.5;
+    vec2 room = mix(vec2(p), vec2(HBIL_SIZE - 1 - p), greaterThan(d, vec2(0.0))) + 0.49;
     vec2 t = room / max(abs(d), vec2(1e-6));
     return min(t.x, t.y);
 }
@@ -100,7 +101,7 @@ float hbil_reach(vec3 position, vec3 v, vec3 slice) {
 #if HBIL_PROJECTION_PERSPECTIVE
     float s = min(HBIL_REACH * inversesqrt(dot(position, position)), 1.0);
     vec3 edge = slice * s - v * sqrt(1.0 - s * s);
-    if (s >= 1.0 || edge.z <= 1e-4) return 1e6;
+    if (s >= 1.0 || edge.z <= 0.0) return 1e6;
     return length((edge.xy / edge.z - position.xy / position.z) / HBIL_PIXEL_TO_RAY.xy);
 #else
     return length(HBIL_REACH * slice.xy / HBIL_PIXEL_TO_RAY.xy);
@@ -201,7 +202,7 @@ hbil_side hbil_side_of(hbil_receiver r, vec3 slice, vec2 d, float jitter, float 
 #endif
 #if !HBIL_ESTIMATOR_HBAO_PLUS
     s.nx = dot(r.n, s.tangent);
-    s.c0 = clamp(-s.nx * inversesqrt(max(s.nx * s.nx + r.ny * r.ny, 1e-20)), -1.0, 1.0);
+    s.c0 = -s.nx * inversesqrt(s.nx * s.nx + r.ny * r.ny); // short of 1 by 5e-7, since ny is at least HBIL_LEAST_NY
 #endif
     return s;
 }
@@ -230,7 +231,7 @@ float hbil_swept(hbil_receiver r, hbil_side s, int layer) {
     int back = hbil_back(texelFetch(u_swept, ivec3(r.pixel, layer), 0).r);
     ivec2 from = hbil_across(s.line, r.pixel);
     int to = layer % 2 == 0 ? from.x + back : from.x - back;
-    return back > 0 ? hbil_horizon_at(r, s, hbil_pixel(s.line, from.y - hbil_shift(s.line, from.x), to)) : s.c0;
+    return hbil_horizon_at(r, s, hbil_pixel(s.line, from.y - hbil_shift(s.line, from.x), to)); // not at itself
 }
 #elif HBIL_MARCH_BOTH
 // Horizon of all beyond the samples on a side: the hull of the pixel where they end, as seen from the receiver. Layer
@@ -325,7 +326,6 @@ bool hbil_go(hbil_receiver r, hbil_side s, int i, inout hbil_visit at) {
     at.z = hbil_surface_depth(at.pixel);
 #else
     ivec2 q = r.pixel + ivec2(floor(at.offset * s.d + 0.5));
-    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, HBIL_SIZE))) return false;
 #if HBIL_MIPS
     at.level = clamp(int(log2(at.offset / HBIL_FINE)), 0, hbil_levels());
     q >>= at.level;

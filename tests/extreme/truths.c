@@ -11,13 +11,13 @@ enum { WIDTH = 48, HEIGHT = 40 };
 
 static const camera eye = { WIDTH, HEIGHT, 60, 0.1, 1e6, 1, { 0, 0 }, 0 };
 
-static const image *output(const hbil_plan *plan, const image *outputs, const char *name)
+const image *truth_output(const hbil_plan *plan, const image *outputs, const char *name)
 {
     const int32_t t = hbil_plan_texture(plan, name);
     return t < 0 || plan->textures[t].life != HBIL_LIFE_OUTPUT ? NULL : &outputs[t];
 }
 
-static void light(const hbil_plan *plan, extreme_frame *out, float value)
+void truth_light(const hbil_plan *plan, extreme_frame *out, float value)
 {
     image *img = frames_input(plan, out, "radiance");
     if (img) frames_fill(img, value);
@@ -30,22 +30,21 @@ static camera camera_of(const hbil_plan *plan)
     return c;
 }
 
-static int is_sky(const extreme_frame *f, const hbil_plan *plan, int p)
+int truth_is_sky(const extreme_frame *f, const hbil_plan *plan, int p)
 {
     const float z = f->inputs[hbil_plan_texture(plan, "depth")].data[p];
     return !(z > 0) || z > 1e9f;
 }
 
-/* An output's channel lies in [low, high] at every pixel with a surface. */
-static int within(const hbil_plan *plan, const extreme_frame *f, const image *outputs, const char *name, double low, double high, char *why,
-                  size_t size)
+int truth_within(const hbil_plan *plan, const extreme_frame *f, const image *outputs, const char *name, double low, double high, char *why,
+                 size_t size)
 {
-    const image *img = output(plan, outputs, name);
+    const image *img = truth_output(plan, outputs, name);
     int p;
     if (!img) return 1;
     for (p = 0; p < img->width * img->height; ++p) {
         const double v = (double)img->data[p * img->channels];
-        if (is_sky(f, plan, p) || (v >= low && v <= high)) continue;
+        if (truth_is_sky(f, plan, p) || (v >= low && v <= high)) continue;
         snprintf(why, size, "%s of pixel (%d, %d) is %g, not in [%g, %g]", name, p % img->width, p / img->width, v, low, high);
         return 0;
     }
@@ -61,7 +60,7 @@ static void one_plane(const hbil_plan *plan, extreme_frame *out, double x, doubl
     if (y > 0.999) c.fov = 120; /* a floor: much sky */
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, &q, 1);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     if (frames_input(plan, out, "roughness")) frames_fill(frames_input(plan, out, "roughness"), d == -3 ? 0 : 0.3f);
     if (frames_input(plan, out, "f0")) frames_fill(frames_input(plan, out, "f0"), 0);
 }
@@ -79,21 +78,21 @@ static void fill_open(const hbil_plan *plan, int index, extreme_frame *out)
 
 static int expect_open(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *bent = output(plan, outputs, "bent"), *normal = &f->inputs[hbil_plan_texture(plan, "normal") < 0 ? 0 : hbil_plan_texture(plan, "normal")];
+    const image *bent = truth_output(plan, outputs, "bent"), *normal = &f->inputs[hbil_plan_texture(plan, "normal") < 0 ? 0 : hbil_plan_texture(plan, "normal")];
     /* hbao has no test of the sample's own elevation, a bitmask 32 sectors; coarse pixels are not quite on the plane */
     const hbil_config *of = &plan->config;
     const double least = of->estimator == HBIL_ESTIMATOR_BITMASK || of->estimator == HBIL_ESTIMATOR_HBAO ? 0.93
                        : of->mips > HBIL_MIPS_NONE || of->downscale > 1 ? 0.9 : 0.997;
     int p, k;
     (void)index;
-    if (!within(plan, f, outputs, "ao", least, 1, why, size) || !within(plan, f, outputs, "uniform_ao", least - 0.03, 1, why, size)
-        || !within(plan, f, outputs, "near", 0, 1.001 - least, why, size)
-        || !within(plan, f, outputs, "multi_bounce", least, 1.001, why, size)
-        || !within(plan, f, outputs, "specular_occlusion", 0.97, 1, why, size)) return 0;
+    if (!truth_within(plan, f, outputs, "ao", least, 1, why, size) || !truth_within(plan, f, outputs, "uniform_ao", least - 0.03, 1, why, size)
+        || !truth_within(plan, f, outputs, "near", 0, 1.001 - least, why, size)
+        || !truth_within(plan, f, outputs, "multi_bounce", least, 1.001, why, size)
+        || !truth_within(plan, f, outputs, "specular_occlusion", 0.97, 1, why, size)) return 0;
     for (p = 0; bent && normal->channels == 3 && p < bent->width * bent->height; ++p)
         for (k = 0; k < 3; ++k) {
             const double v = (double)bent->data[bent->channels * p + k], n = (double)normal->data[3 * p + k] * 2 / 3;
-            if (is_sky(f, plan, p) || fabs(v - n) < 0.04) continue;
+            if (truth_is_sky(f, plan, p) || fabs(v - n) < 0.04) continue;
             snprintf(why, size, "bent of pixel (%d, %d), channel %d: %g, not %g", p % bent->width, p / bent->width, k, v, n);
             return 0;
         }
@@ -119,10 +118,10 @@ static void fill_normals(const hbil_plan *plan, int index, extreme_frame *out)
 
 static int expect_normals(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *bent = output(plan, outputs, "bent"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    const image *bent = truth_output(plan, outputs, "bent"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
     int p, k;
     (void)index;
-    if (!within(plan, f, outputs, "ao", 0.999, 1, why, size)) return 0;
+    if (!truth_within(plan, f, outputs, "ao", 0.999, 1, why, size)) return 0;
     for (p = 0; p < bent->width * bent->height; ++p) {
         double ray[2], v[3], n[3], ny, l;
         frames_ray(plan, &f->frame, p % bent->width + 0.5, p / bent->width + 0.5, ray);
@@ -151,21 +150,21 @@ static void fill_white(const hbil_plan *plan, int index, extreme_frame *out)
     camera at = c;
     at.eye_x = 0.03 * index;
     frames_room_by(plan, out, &at, index);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
 }
 
 /* Of a white world; and the sky has its own values. */
 static int expect_white(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near");
+    const image *ao = truth_output(plan, outputs, "ao"), *near = truth_output(plan, outputs, "near");
     double least = 1;
     int p;
     (void)index;
     for (p = 0; p < ao->width * ao->height; ++p) {
         const double a = (double)ao->data[p], n = (double)near->data[near->channels * p];
         least = fmin(least, a);
-        if (is_sky(f, plan, p) ? a == 1 && n == 0 : fabs(a + n - 1) < 4e-3) continue;
-        snprintf(why, size, "pixel (%d, %d)%s: ao %g, near %g", p % ao->width, p / ao->width, is_sky(f, plan, p) ? ", sky" : "", a, n);
+        if (truth_is_sky(f, plan, p) ? a == 1 && n == 0 : fabs(a + n - 1) < 4e-3) continue;
+        snprintf(why, size, "pixel (%d, %d)%s: ao %g, near %g", p % ao->width, p / ao->width, truth_is_sky(f, plan, p) ? ", sky" : "", a, n);
         return 0;
     }
     if (least < 0.8) return 1;
@@ -173,22 +172,21 @@ static int expect_white(const hbil_plan *plan, int index, const extreme_frame *f
     return 0;
 }
 
-/* A floor and a wall, seen into their corner: half of each is hidden. */
-static void fill_corner(const hbil_plan *plan, int index, extreme_frame *out)
+void truth_corner(const hbil_plan *plan, int index, extreme_frame *out)
 {
     const camera c = camera_of(plan);
     const plane q[] = { { { 0, 0.8, 0.6 }, -4, { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, -0.6, 0.8 }, -4.2, { 0, 0, 0 }, { 0, 0, 0 } } };
     (void)index;
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, q, 2);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
 /* At the middle of the screen, a few pixels from the corner. The whole other plane would hide 0.5; what the screen has of it, most of that. */
 static int expect_corner(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    const image *ao = truth_output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
     double sum = 0;
     int n = 0, p;
     (void)index;
@@ -240,9 +238,9 @@ static int expect_sky(const hbil_plan *plan, const extreme_frame *f, const image
     size_t i;
     int p;
     for (i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        const image *img = output(plan, outputs, rows[i].name);
+        const image *img = truth_output(plan, outputs, rows[i].name);
         for (p = 0; img && p < img->width * img->height; ++p) {
-            if (!is_sky(f, plan, p) || img->data[img->channels * p] == rows[i].value) continue;
+            if (!truth_is_sky(f, plan, p) || img->data[img->channels * p] == rows[i].value) continue;
             snprintf(why, size, "%s of the sky at pixel (%d, %d) is %g", rows[i].name, p % img->width, p / img->width, (double)img->data[img->channels * p]);
             return 0;
         }
@@ -304,7 +302,7 @@ static void fill_cut(const hbil_plan *plan, int index, extreme_frame *out)
     camera at = camera_of(plan);
     at.eye_x = index == 3 ? 0 : 0.4 * index;
     frames_room_by(plan, out, &at, index == 3 ? 0 : index);
-    light(plan, out, index % 3 ? 50000 : 1);
+    truth_light(plan, out, index % 3 ? 50000 : 1);
     out->frame.index = index == 3 ? 0 : (uint32_t)index;
     out->frame.reset = index % 3 == 0;
 }
@@ -319,9 +317,9 @@ static int expect_cut(const hbil_plan *plan, int index, const extreme_frame *f, 
 static void fill_gone(const hbil_plan *plan, int index, extreme_frame *out)
 {
     image *motion;
-    if (index < 2) fill_corner(plan, index, out);
+    if (index < 2) truth_corner(plan, index, out);
     else one_plane(plan, out, 0, 0, 1, index == 2 ? -1.5 : -9);
-    light(plan, out, index < 2 ? 1 : 0);
+    truth_light(plan, out, index < 2 ? 1 : 0);
     out->frame.index = (uint32_t)index;
     out->frame.reset = index == 0;
     motion = frames_input(plan, out, "motion");
@@ -331,7 +329,7 @@ static void fill_gone(const hbil_plan *plan, int index, extreme_frame *out)
 static int expect_gone(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
     if (index < 2) return 1;
-    return within(plan, f, outputs, "ao", 0.995, 1, why, size) && within(plan, f, outputs, "near", 0, 5e-3, why, size);
+    return truth_within(plan, f, outputs, "ao", 0.995, 1, why, size) && truth_within(plan, f, outputs, "near", 0, 5e-3, why, size);
 }
 
 /* Nothing changes, without noise: neither does the result, however many frames; one of them is poisoned by the brightest light. */
@@ -339,7 +337,7 @@ static void fill_still(const hbil_plan *plan, int index, extreme_frame *out)
 {
     const camera c = camera_of(plan);
     frames_room_by(plan, out, &c, 0);
-    light(plan, out, index == 2 ? 1e30f : 1);
+    truth_light(plan, out, index == 2 ? 1e30f : 1);
     if (frames_input(plan, out, "albedo")) frames_fill(frames_input(plan, out, "albedo"), 0.3f);
     out->frame.index = 0;
     out->frame.reset = index == 0;
@@ -362,17 +360,17 @@ static void fill_plates(const hbil_plan *plan, int index, extreme_frame *out)
     const plane q[] = { { { 0, 0, 1 }, -2, { -9, -9, -9 }, { -0.1, 9, 0 } }, { { -0.7, 0.1, 0.707 }, -2.5, { 0, -9, -99 }, { 9, 9, 0 } } };
     frames_begin(plan, out, &c, index);
     frames_planes(plan, out, q, 2);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
 static int expect_plates(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    const image *ao = truth_output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
     int p;
     (void)index;
     for (p = 0; p < ao->width * ao->height; ++p) {
-        if (is_sky(f, plan, p) ? ao->data[p] == 1 : normal->data[3 * p + 2] < 0.99f || ao->data[p] > 0.99f) continue;
+        if (truth_is_sky(f, plan, p) ? ao->data[p] == 1 : normal->data[3 * p + 2] < 0.99f || ao->data[p] > 0.99f) continue;
         snprintf(why, size, "ao of pixel (%d, %d) is %g, where nothing occludes", p % ao->width, p / ao->width, (double)ao->data[p]);
         return 0;
     }
@@ -392,7 +390,7 @@ static void fill_spikes(const hbil_plan *plan, int index, extreme_frame *out)
         const double r = (double)frames_random((uint32_t)p, (uint32_t)(index + 50)), s = (double)frames_random((uint32_t)p, 77);
         frames_put(plan, out, p % WIDTH, p / WIDTH, r < 0.25 ? 0.3 + 0.1 * s : 40 + (index ? 900 : 20) * s, n);
     }
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.index = (uint32_t)index;
     out->frame.reset = index == 0;
 }
@@ -416,7 +414,7 @@ static void fill_tiny(const hbil_plan *plan, int index, extreme_frame *out)
     frames_begin(plan, out, &c, 0);
     for (p = 0; p < WIDTH * HEIGHT; ++p)
         frames_put(plan, out, p % WIDTH, p / WIDTH, z * (frames_random((uint32_t)p, 60) < 0.5f ? 1.0 : 1.0 - 1e-5 + 6e-8 * (p % 5 - 2)), n);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
@@ -425,7 +423,7 @@ static void fill_odd(const hbil_plan *plan, int index, extreme_frame *out)
 {
     static const int sizes[][2] = { { 37, 23 }, { 1, 1 }, { 3, 2 }, { 5, 67 }, { 66, 17 }, { 2, 40 } };
     frames_room(plan, out, sizes[index][0], sizes[index][1], 0);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
@@ -435,7 +433,7 @@ static void fill_resize(const hbil_plan *plan, int index, extreme_frame *out)
     static const uint32_t sizes[][2] = { { 64, 48 }, { 41, 30 }, { 41, 30 }, { 64, 48 }, { 17, 16 }, { 33, 48 } };
     const int before = index ? index - 1 : 0;
     frames_room(plan, out, 64, 48, index);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.width = sizes[index][0];
     out->frame.height = sizes[index][1];
     out->frame.last_width = sizes[before][0];
@@ -448,7 +446,7 @@ static void fill_turning(const hbil_plan *plan, int index, extreme_frame *out)
     camera at = camera_of(plan);
     float *now = out->frame.view, *last = out->frame.last_view;
     frames_room_by(plan, out, &at, 0);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.index = (uint32_t)index;
     out->frame.reset = index == 0;
     if (index == 0) return;
@@ -486,7 +484,7 @@ static void fill_probes(const hbil_plan *plan, int index, extreme_frame *out)
 static int expect_probes(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
     (void)index;
-    return within(plan, f, outputs, "far", 0.27, 0.29, why, size); /* 0.282095 of an open wall */
+    return truth_within(plan, f, outputs, "far", 0.27, 0.29, why, size); /* 0.282095 of an open wall */
 }
 
 /* Some directions of the environment are no numbers: the others still light what sees them. */
@@ -504,7 +502,7 @@ static void fill_bad_sky(const hbil_plan *plan, int index, extreme_frame *out)
 static int expect_bad_sky(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
     (void)index;
-    return within(plan, f, outputs, "far", 0.1, 60000, why, size);
+    return truth_within(plan, f, outputs, "far", 0.1, 60000, why, size);
 }
 
 /* Index 1: what is beyond the reach stands higher than what is within. It must not brighten. */
@@ -515,13 +513,13 @@ static void fill_behind(const hbil_plan *plan, int index, extreme_frame *out)
                         { { 0, 0, 1 }, -6, { -99, -9, -99 }, { 99, 99, 0 } } };
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, q, index ? 3 : 2);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
 static int expect_behind(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao");
+    const image *ao = truth_output(plan, outputs, "ao");
     static float before[WIDTH * HEIGHT], depths[WIDTH * HEIGHT];
     const float *z = f->inputs[hbil_plan_texture(plan, "depth")].data;
     int p, n = 0;
@@ -531,7 +529,7 @@ static int expect_behind(const hbil_plan *plan, int index, const extreme_frame *
         return 1;
     }
     for (p = 0; p < WIDTH * HEIGHT; ++p) {
-        if (is_sky(f, plan, p) || depths[p] != z[p]) continue;
+        if (truth_is_sky(f, plan, p) || depths[p] != z[p]) continue;
         ++n;
         if (ao->data[p] <= before[p] + 1e-4f) continue;
         snprintf(why, size, "ao of pixel (%d, %d) is %g, %g without what stands beyond the reach", p % WIDTH, p / WIDTH, (double)ao->data[p],
@@ -550,7 +548,7 @@ static void fill_below(const hbil_plan *plan, int index, extreme_frame *out)
                         { { 0, 1, 0 }, -1.7, { -99, -9, -99 }, { 99, 9, 0 } } };
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, q, index ? 3 : 2);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
@@ -568,7 +566,7 @@ static void fill_foot(const hbil_plan *plan, int index, extreme_frame *out)
 /* 64 steps downwards from the wall, of which at most 12 are on the screen. */
 static int expect_foot(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    const image *ao = truth_output(plan, outputs, "ao"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
     int p;
     (void)index;
     for (p = 0; p < ao->width * ao->height; ++p) {
@@ -587,20 +585,20 @@ static void fill_step(const hbil_plan *plan, int index, extreme_frame *out)
     (void)index;
     frames_begin(plan, out, &c, 0);
     frames_planes(plan, out, q, 2);
-    light(plan, out, 1);
+    truth_light(plan, out, 1);
     out->frame.reset = 1;
 }
 
 static int expect_step(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near");
+    const image *ao = truth_output(plan, outputs, "ao"), *near = truth_output(plan, outputs, "near");
     double least = 1;
     int p;
     (void)index;
     for (p = 0; p < ao->width * ao->height; ++p) {
         const double n = (double)near->data[near->channels * p];
         least = fmin(least, (double)ao->data[p]);
-        if (is_sky(f, plan, p) || n < 0.02) continue;
+        if (truth_is_sky(f, plan, p) || n < 0.02) continue;
         snprintf(why, size, "pixel (%d, %d): near %g of what faces away", p % ao->width, p / ao->width, n);
         return 0;
     }
@@ -610,7 +608,7 @@ static int expect_step(const hbil_plan *plan, int index, const extreme_frame *f,
 /* Of a white world no more light comes than is hidden. */
 static int expect_no_more(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near");
+    const image *ao = truth_output(plan, outputs, "ao"), *near = truth_output(plan, outputs, "near");
     int p;
     (void)index;
     (void)f;
@@ -629,7 +627,7 @@ static void fill_facing(const hbil_plan *plan, int index, extreme_frame *out)
 {
     image *normal;
     int p, k;
-    fill_corner(plan, 0, out);
+    truth_corner(plan, 0, out);
     normal = frames_input(plan, out, "normal");
     for (p = 0; index && p < WIDTH * HEIGHT; ++p)
         if (normal->data[3 * p + 1] < 0)
@@ -638,7 +636,7 @@ static void fill_facing(const hbil_plan *plan, int index, extreme_frame *out)
 
 static int expect_facing(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *near = output(plan, outputs, "near"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
+    const image *ao = truth_output(plan, outputs, "ao"), *near = truth_output(plan, outputs, "near"), *normal = &f->inputs[hbil_plan_texture(plan, "normal")];
     int p;
     for (p = 0; p < ao->width * ao->height; ++p) {
         const double a = (double)ao->data[p], n = (double)near->data[near->channels * p];
@@ -649,12 +647,12 @@ static int expect_facing(const hbil_plan *plan, int index, const extreme_frame *
     return 1;
 }
 
-/* Plates of one depth each before sky and before each other, one of them a pixel wide: nothing is within reach, so the bent vector is the
+/* Plates of one depth each before sky and before each other, some of them one or two pixels wide: nothing is within reach, so the bent vector is the
  * plate's normal, up to its last pixel. */
 static void fill_cards(const hbil_plan *plan, int index, extreme_frame *out)
 {
     const camera c = camera_of(plan);
-    const double facing[3] = { 0, 0, 1 }, leaning[3] = { 0.6, 0, 0.8 };
+    const double facing[3] = { 0, 0, 1 }, leaning[3] = { index ? 0.8 : 0.6, 0, index ? 0.6 : 0.8 };
     int p;
     frames_begin(plan, out, &c, 0);
     for (p = 0; p < WIDTH * HEIGHT; ++p) {
@@ -662,22 +660,21 @@ static void fill_cards(const hbil_plan *plan, int index, extreme_frame *out)
         double ray[2];
         frames_ray(plan, &out->frame, x + 0.5, y + 0.5, ray);
         if (x >= 8 && x < 20 && y >= 6 && y < 30) frames_put(plan, out, x, y, 2, facing);
-        else if (index == 0 && x == 24 && y >= 1 && y < 8) frames_put(plan, out, x, y, 2, facing);
-        else if (x >= 15 && x < 42 && y >= 10 && y < 36) frames_put(plan, out, x, y, 2.4 / (0.8 - 0.6 * ray[0]), leaning);
+        else if (index == 0 && (x == 24 || x == 27 || x == 28) && y >= 1 && y < 8) frames_put(plan, out, x, y, 2, facing);
+        else if (x >= 15 && x < 42 && y >= 10 && y < 36) frames_put(plan, out, x, y, 2.4 / (leaning[2] - leaning[0] * ray[0]), leaning);
     }
     out->frame.reset = 1;
 }
 
 static int expect_cards(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *bent = output(plan, outputs, "bent");
+    const image *bent = truth_output(plan, outputs, "bent");
     const float *z = f->inputs[hbil_plan_texture(plan, "depth")].data;
     int p;
-    (void)index;
     for (p = 0; p < WIDTH * HEIGHT; ++p) {
-        const double nx = z[p] == 2 ? 0 : 0.6, nz = z[p] == 2 ? 1 : 0.8;
+        const double nx = z[p] == 2 ? 0 : index ? 0.8 : 0.6, nz = z[p] == 2 ? 1 : index ? 0.6 : 0.8;
         const float *b = bent->data + bent->channels * p;
-        if (is_sky(f, plan, p) ? b[0] == 0 && b[2] == 0 : fabs((double)b[0] - nx * 2 / 3) < 0.03 && fabs((double)b[1]) < 0.03 && fabs((double)b[2] - nz * 2 / 3) < 0.03) continue;
+        if (truth_is_sky(f, plan, p) ? b[0] == 0 && b[2] == 0 : fabs((double)b[0] - nx * 2 / 3) < 0.03 && fabs((double)b[1]) < 0.03 && fabs((double)b[2] - nz * 2 / 3) < 0.03) continue;
         snprintf(why, size, "bent of pixel (%d, %d), depth %g: %g %g %g", p % WIDTH, p / WIDTH, (double)z[p], (double)b[0], (double)b[1], (double)b[2]);
         return 0;
     }
@@ -699,7 +696,7 @@ static void fill_shaft(const hbil_plan *plan, int index, extreme_frame *out)
 
 static int expect_shaft(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
-    const image *ao = output(plan, outputs, "ao"), *so = output(plan, outputs, "specular_occlusion");
+    const image *ao = truth_output(plan, outputs, "ao"), *so = truth_output(plan, outputs, "specular_occlusion");
     int p, n = 0;
     (void)index;
     (void)f;
@@ -743,6 +740,7 @@ static int expect_shaft(const hbil_plan *plan, int index, const extreme_frame *f
     X("outputs=ao+near march=sweep slices=2 sweep_stride=3 filter=3x3 facing=filter") \
     X("outputs=ao+near march=both estimator=bitmask occluder=thick reach=1 slices=2") \
     X("outputs=ao+near mips=spread slices=2 steps=16 interleave=yes") \
+    X("outputs=ao+near mips=mean facing=half_space slices=2 steps=16") \
     X("outputs=ao+near mips=weighted slices=2 steps=16 normals=depth") \
     X("outputs=ao+near+cone+specular_occlusion projection=orthographic slices=2 reach=2 mips=weighted")
 
@@ -756,7 +754,7 @@ static int expect_shaft(const hbil_plan *plan, int index, const extreme_frame *f
 
 #define OPEN(config, frames) { "truth_open_surfaces_are_open", config, frames, fill_open, expect_open, 0 }
 #define WHITE(config, frames) { "truth_white_near_and_ao_are_one", config, frames, fill_white, expect_white, 0 }
-#define CORNER(config) { "truth_corner_hides_half", config, 1, fill_corner, expect_corner, 0 }
+#define CORNER(config) { "truth_corner_hides_half", config, 1, truth_corner, expect_corner, 0 }
 #define MEANT(config) { "truth_bad_input_means_what_the_manual_says", config, 2, fill_meant, expect_same, 0 }
 #define CUT(config) { "truth_a_cut_leaves_nothing", config, 4, fill_cut, expect_cut, 0 }
 #define GONE(config) { "truth_light_of_another_surface_is_gone", config, 4, fill_gone, expect_gone, 0 }
@@ -820,6 +818,7 @@ const extreme_case extreme_truths[] = {
     CORNER("outputs=ao slices=4 steps=16 mips=weighted noise=none"),
     CORNER("outputs=ao slices=4 steps=16 occluder=heuristic decay=0.01 noise=none"),
     { "truth_normals_of_any_direction", "outputs=ao+bent+uniform_ao estimator=bitmask slices=4 occluder=thick", 2, fill_normals, NULL, 0 },
+    { "truth_normals_of_any_direction", "outputs=ao+uniform_ao slices=1 steps=1 reach=1e-6", 2, fill_normals, NULL, 0 },
     { "truth_normals_of_any_direction", "outputs=ao+near+bent+uniform_ao+sh+specular_occlusion slices=2", 2, fill_normals, NULL, 0 },
     { "truth_normals_of_any_direction", "outputs=ao+bent+near march=sweep facing=half_space slices=4", 2, fill_normals, NULL, 0 },
     STILL("outputs=ao+near noise=none slices=2 bounces=recursive reproject=scatter facing=half_space", 40),

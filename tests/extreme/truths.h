@@ -5,7 +5,22 @@
 
 #include "cases.h"
 
-extern const extreme_case extreme_truths[];
-extern const int extreme_truth_count;
+/* Of outputs: truths.c; scenes that show one rule each: truths_scenes.c. */
+extern const extreme_case extreme_truths[], extreme_scenes[];
+extern const int extreme_truth_count, extreme_scene_count;
+/* Of what lies between the passes: their expect functions read textures that are TRANSIENT in the plan they get. */
+extern const extreme_case extreme_inside[];
+extern const int extreme_inside_count;
+
+/* What the files of truths share. An output by name; NULL: the plan has none of it. */
+const image *truth_output(const hbil_plan *plan, const image *outputs, const char *name);
+int  truth_is_sky(const extreme_frame *f, const hbil_plan *plan, int p);
+/* An output's first channel lies in [low, high] at every pixel with a surface. */
+int  truth_within(const hbil_plan *plan, const extreme_frame *f, const image *outputs, const char *name, double low, double high, char *why,
+                  size_t size);
+/* The same radiance everywhere. */
+void truth_light(const hbil_plan *plan, extreme_frame *out, float value);
+/* A floor and a wall, seen into their corner: half of each is hidden. White. */
+void truth_corner(const hbil_plan *plan, int index, extreme_frame *out);
 
 #endif

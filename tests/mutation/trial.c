@@ -31,12 +31,25 @@ static const char hook[] =
     "    return direction.z > 0.5 ? vec3(1e30) : vec3(0.5);\n"
     "}\n";
 
-int trial_count(void) { return extreme_case_count + extreme_truth_count; }
+/* All that there are, one after the other. */
+static const struct { const extreme_case *cases; const int *count; } sources[] = {
+    { extreme_cases, &extreme_case_count }, { extreme_truths, &extreme_truth_count }, { extreme_scenes, &extreme_scene_count },
+    { extreme_inside, &extreme_inside_count },
+};
+enum { SOURCES = sizeof sources / sizeof *sources };
+
+int trial_count(void)
+{
+    int i, n = 0;
+    for (i = 0; i < SOURCES; ++i) n += *sources[i].count;
+    return n;
+}
 
 const extreme_case *trial_case(int at)
 {
-    const int index = order[at];
-    return index < extreme_case_count ? &extreme_cases[index] : &extreme_truths[index - extreme_case_count];
+    int i, index = order[at];
+    for (i = 0; index >= *sources[i].count; ++i) index -= *sources[i].count;
+    return &sources[i].cases[index];
 }
 
 static int draws(const extreme_case *c) { return strstr(c->config, "stage=fragment") != NULL; }
@@ -48,6 +61,17 @@ static void *need(void *p)
     exit(3);
 }
 
+/* Transient textures are read back, too. */
+static void show_inside(hbil_plan *plan)
+{
+    uint32_t t;
+    for (t = 0; t < plan->texture_count; ++t) {
+        hbil_texture *x = &plan->textures[t];
+        if (x->life == HBIL_LIFE_TRANSIENT && (x->format == HBIL_FORMAT_R32F || x->format == HBIL_FORMAT_R32UI || x->format == HBIL_FORMAT_RGBA32F))
+            x->life = HBIL_LIFE_OUTPUT;
+    }
+}
+
 static variant *variant_of(const extreme_case *c, char *error, size_t size)
 {
     variant *v = (variant *)need(calloc(1, sizeof *v));
@@ -55,7 +79,10 @@ static variant *variant_of(const extreme_case *c, char *error, size_t size)
     v->config = c->config;
     if (!extreme_plan(c, draws(c) ? "gl" : "vulkan", &v->plan, error, size)) return NULL;
     v->checked = v->plan;
-    if (!draws(c)) checked_plan(&v->plan, &v->checked);
+    if (!draws(c)) {
+        checked_plan(&v->plan, &v->checked);
+        show_inside(&v->checked);
+    }
     for (p = 0; p < v->plan.pass_count; ++p) {
         v->texts[p] = (char *)need(malloc(HBIL_GLSL_MAX + sizeof hook));
         if (hbil_emit_glsl_hook(&v->plan, (int32_t)p, hook, v->texts[p], HBIL_GLSL_MAX + sizeof hook, NULL, NULL) != HBIL_OK) {

@@ -1002,8 +1002,8 @@ static double reach_px(const placing *a, const double tangent[3])
 static double border_px(const placing *a, const double d[2])
 {
     const bf_camera *cam = &a->scene->camera;
-    const double     room_x = (d[0] > 0.0 ? cam->width - 1 - a->x : a->x) + 0.5;
-    const double     room_y = (d[1] > 0.0 ? cam->height - 1 - a->y : a->y) + 0.5;
+    const double     room_x = (d[0] > 0.0 ? cam->width - 1 - a->x : a->x) + 0.49;
+    const double     room_y = (d[1] > 0.0 ? cam->height - 1 - a->y : a->y) + 0.49;
     return fmin(room_x / fmax(fabs(d[0]), 1e-6), room_y / fmax(fabs(d[1]), 1e-6));
 }
 

@@ -101,12 +101,12 @@ static int follow(side *s, double from, double to, int halves)
     return 1;
 }
 
-/* The samples of the shader: the nearest pixel centres, never one twice, up to the border of the screen. */
+/* The samples of the shader: the nearest pixel centres, never one twice, up to the border of the screen but for a little. */
 static void follow_centres(side *s, int steps)
 {
     const bf_camera *cam = &s->scene->camera;
-    const double     room_x = (s->dx > 0.0 ? cam->width - 1 - s->x : s->x) + 0.5;
-    const double     room_y = (s->dy > 0.0 ? cam->height - 1 - s->y : s->y) + 0.5;
+    const double     room_x = (s->dx > 0.0 ? cam->width - 1 - s->x : s->x) + 0.49;
+    const double     room_y = (s->dy > 0.0 ? cam->height - 1 - s->y : s->y) + 0.49;
     const double     reach = fmin(room_x / fmax(fabs(s->dx), 1e-6), room_y / fmax(fabs(s->dy), 1e-6));
     double           offset = 0.0, above;
     for (int i = 0; i < steps; ++i) {

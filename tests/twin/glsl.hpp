@@ -94,7 +94,8 @@ GLSL real sqrt(real x) { x.v = (number)::sqrt(x.v); return x; }
 #define GLSL_CALL(name) ::name##f
 #endif
 #define GLSL_FUNCTION(name) GLSL real name(real x) { x.v = GLSL_CALL(name)(x.v); return x; }
-GLSL_FUNCTION(floor) GLSL_FUNCTION(sin) GLSL_FUNCTION(cos) GLSL_FUNCTION(exp2) GLSL_FUNCTION(log2)
+GLSL_FUNCTION(floor) GLSL_FUNCTION(rint) GLSL_FUNCTION(sin) GLSL_FUNCTION(cos) GLSL_FUNCTION(exp2) GLSL_FUNCTION(log2)
+GLSL real roundEven(real x) { return rint(x); }
 GLSL real inversesqrt(real x) { x.v = (number)1 / sqrt(x).v; return x; }
 GLSL real abs(real x) { x.v = GLSL_CALL(fabs)(x.v); return x; }
 GLSL real fract(real x) { return x - floor(x); }

@@ -263,6 +263,53 @@ static void the_whole_matrix_keeps_the_contract(void **unused)
     assert_int_equal(complaints, 0);
 }
 
+/* Frame 1 of a film with history, spoiled or after a cut. */
+static void second_frame(const hbil_plan *plan, const capture *film, const char *spoiled, image outputs[HBIL_MAX_TEXTURES])
+{
+    image inputs[HBIL_MAX_TEXTURES];
+    hbil_frame frame;
+    int f;
+    for (f = 0; f < 2; ++f) {
+        encode(plan, film, f, &frame, inputs);
+        if (f == 1 && spoiled) twin_spoil(one, hbil_plan_texture(plan, spoiled));
+        frame.reset = f == 0 || !spoiled;
+        run_twin(one, plan, &frame, inputs, outputs);
+        if (f == 0) free_all(outputs);
+        free_all(inputs);
+    }
+}
+
+/* What no shader of ours writes, and a fault of the driver or of a hook may: it is gone with the frame, as after a cut. */
+static void spoiled_history_is_thrown_away(void **unused)
+{
+    static const struct { const char *config, *texture; } rows[] = {
+        { "outputs=ao+near temporal=yes rectify=none slices=2 steps=4 reproject=camera", "signal" },
+        { "outputs=ao+near temporal=yes rectify=none slices=2 steps=4 reproject=camera", "seen" },
+        { "outputs=ao+near temporal=yes rectify=none slices=2 steps=4 reproject=scatter", "seen" },
+        { "outputs=ao+near bounces=recursive slices=2 steps=4 reproject=scatter", "seen" },
+    };
+    static hbil_plan plan;
+    capture film[MOVES];
+    size_t i;
+    uint32_t t;
+    (void)unused;
+    small_film(film);
+    for (i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        image spoiled[HBIL_MAX_TEXTURES], cut[HBIL_MAX_TEXTURES];
+        plan = plan_of(rows[i].config, "vulkan");
+        twin_forgive(one);
+        second_frame(&plan, film, rows[i].texture, spoiled);
+        second_frame(&plan, film, NULL, cut);
+        for (t = 0; t < plan.texture_count; ++t)
+            if (cut[t].data)
+                assert_memory_equal(spoiled[t].data, cut[t].data, (size_t)cut[t].width * (size_t)cut[t].height * (size_t)cut[t].channels * sizeof(float));
+        must_be_faultless(rows[i].config, one);
+        free_all(spoiled);
+        free_all(cut);
+    }
+    for (i = 0; i < MOVES; ++i) capture_free(&film[i]);
+}
+
 /* The one option beyond the limit of hbil-bounds. */
 static void ign_says_what_rounding_makes_of_it_and_nothing_else_does(void **unused)
 {
@@ -308,6 +355,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(hostile_frames_keep_the_contract_and_nothing_is_undefined),
         cmocka_unit_test(the_whole_matrix_keeps_the_contract),
         cmocka_unit_test(float_is_the_device_and_near_double),
+        cmocka_unit_test(spoiled_history_is_thrown_away),
         cmocka_unit_test(ign_says_what_rounding_makes_of_it_and_nothing_else_does),
     };
     const struct CMUnitTest hostile[] = {

@@ -442,6 +442,11 @@ int twin_run(twin *t, const hbil_plan *plan, const hbil_frame *frame, const imag
     return 0;
 }
 
+void twin_spoil(twin *t, int32_t history)
+{
+    for (texture &copy : t->textures[history]) std::fill(copy.texels.begin(), copy.texels.end(), (unsigned char)0xff);
+}
+
 const double *twin_output(const twin *t, int32_t texture)
 {
     return texture < 0 || t->outputs[texture].empty() ? nullptr : t->outputs[texture].data();

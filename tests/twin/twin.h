@@ -31,6 +31,8 @@ int   twin_compile(twin *t, const hbil_plan *plan, char *error, size_t error_siz
 /* As runner_run. Textures begin as NaN and 0xffffffff, transients in every frame; texels of an output that no pass wrote are NaN. */
 int   twin_run(twin *t, const hbil_plan *plan, const hbil_frame *frame, const image inputs[HBIL_MAX_TEXTURES],
                image outputs[HBIL_MAX_TEXTURES], char *error, size_t error_size);
+/* A history texture becomes NaN (unsigned: all ones), as if a fault had got into it. */
+void  twin_spoil(twin *t, int32_t texture);
 /* Outputs of the last run before they were rounded to float, in the layout of its images; NULL: none. */
 const double *twin_output(const twin *t, int32_t texture);
 /* What has been counted since twin_open or the last twin_forgive. */
