@@ -28,7 +28,7 @@ help:
 	@echo 'make bounds  rounding errors of each output at the ends of distance, field of view, reach and slices, into README.md'
 	@echo 'make long-run 36000 frames of a moving camera on both backends, six configs: no drift, no leak, no NaN; an hour'
 	@echo 'make leaks   all programs under sanitizers and valgrind, on both backends; ten minutes'
-	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; an hour on two cores'
+	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; ten minutes on two cores'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'

@@ -1717,7 +1717,7 @@ static const char hbil__glsl_environment_hbil_cone_cosine[] =
 "#if HBIL_SEED_COMPAT_CONE_RELATION\n"
 "    return 1.0 - ao; // the relation of uniform visibility\n"
 "#else\n"
-"    return sqrt(clamp(1.0 - ao, 0.0, 1.0));\n"
+"    return sqrt(1.0 - ao);\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_environment_hbil_fit[] =
@@ -2361,7 +2361,7 @@ static const char hbil__glsl_horizon_hbil_lit[] =
 "vec2 hbil_lit(hbil_receiver r, hbil_side s, vec3 normal, vec2 arc) {\n"
 "    float x = dot(normal, s.tangent);\n"
 "    float y = dot(normal, r.v);\n"
-"    float edge = (y < 0.0 ? x : -x) * inversesqrt(max(x * x + y * y, 1e-20));\n"
+"    float edge = min((y < 0.0 ? x : -x) * inversesqrt(max(x * x + y * y, 1e-20)), 1.0);\n"
 "    if (y < 0.0) arc.x = max(arc.x, edge);\n"
 "    else arc.y = min(arc.y, edge);\n"
 "    arc.y = max(arc.x, arc.y);\n"
@@ -2662,7 +2662,8 @@ static const char hbil__glsl_bitmask_hbil_lit_bits[] =
 "    // the source's plane meets the slice in a line; of its two ends, the one above the receiver\n"
 "    float side = y * f.front.nx - x * r.ny < 0.0 ? -1.0 : 1.0;\n"
 "    vec2 end = side * vec2(y, -x) * inversesqrt(max(x * x + y * y, 1e-20));\n"
-"    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, end.y) : hbil_edge(f, f.front, false, end.y);\n"
+"    float c = min(end.y, 1.0);\n"
+"    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, c) : hbil_edge(f, f.front, false, c);\n"
 "    return side > 0.0 ? hbil_bits(edge, 32) : hbil_bits(0, edge);\n"
 "}\n"
 "#endif\n";
@@ -2676,10 +2677,10 @@ static const char hbil__glsl_bitmask_hbil_turn[] =
 "    float c0 = is_back ? f.back.c0 : f.front.c0;\n"
 "    float all = is_back ? f.light_back : f.light_front;\n"
 "    float goal = sqrt(clamp(1.0 - abs(light) / all, 0.0, 1.0));\n"
-"    float c = mix(c0, 1.0, goal);\n"
+"    float c = min(mix(c0, 1.0, goal), 1.0); // a root of 1 may be above it\n"
 "    for (int i = 0; i < 3; ++i) {\n"
 "        float root = sqrt(clamp(1.0 - hbil_edge_light(nx, f.ny, c) / all, 1e-12, 1.0));\n"
-"        float slope = nx * sqrt(max((1.0 - c) * (1.0 + c), 0.0)) + f.ny * c;\n"
+"        float slope = nx * sqrt((1.0 - c) * (1.0 + c)) + f.ny * c;\n"
 "        c = clamp(c + 2.0 * (goal - root) * root * all / max(slope, 1e-6), c0, 1.0);\n"
 "    }\n"
 "    return vec2(is_back ? -1.0 : 1.0, edge == (is_back ? 0 : 32) ? c0 : c);\n"
@@ -3092,7 +3093,7 @@ static const char hbil__glsl_signal_hbil_signal[] =
 static const char hbil__glsl_signal_hbil_pass_on[] =
 "// Leave a signal for the next pass.\n"
 "void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {\n"
-"#if HBIL_STORAGE_HALF\n"
+"#if HBIL_STORAGE_HALF || HBIL_ARITHMETIC_HALF\n"
 "    for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX));\n"
 "#endif\n"
 "#if HBIL_ONLY_AO\n"
@@ -3151,7 +3152,7 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "    float ao = clamp(s[0].a, 0.0, 1.0);\n"
 "#if !HBIL_AO_EXPONENT_1\n"
 "    float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));\n"
-"    ao *= lift;\n"
+"    ao = min(ao * lift, 1.0); // Vulkan lets a logarithm of 1 be wrong by 5e-7\n"
 "#endif\n"
 "#endif\n"
 "#if HBIL_AO\n"
@@ -3166,7 +3167,7 @@ static const char hbil__glsl_signal_hbil_finish[] =
 "    imageStore(u_bent, p, vec4(bent, 1.0));\n"
 "#endif\n"
 "#if HBIL_OUTPUTS_UNIFORM_AO\n"
-"    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));\n"
+"    imageStore(u_uniform_ao, p, vec4(min(s[HBIL_AT_FAR].a, 1.0)));\n"
 "#endif\n"
 "#if HBIL_NEAR_LIGHT\n"
 "    vec3 near = s[0].rgb;\n"
@@ -4460,22 +4461,25 @@ static const char hbil__glsl_upsample_main[] =
 "    hbil_finish(p, s);\n"
 "}\n";
 static const char hbil__glsl_light_hbil_angle[] =
-"// acos with the accuracy of atan, which acos does not have on every driver. c in [-1, 1]; rad\n"
+"// acos by sums and products, which are exact everywhere: Vulkan lets acos and atan be wrong by 5e-4. c in [-1, 1]; rad,\n"
+"// error 3e-7. Abramowitz and Stegun 4.4.46\n"
 "float hbil_angle(float c) {\n"
-"    return atan(sqrt((1.0 - c) * (1.0 + c)), c);\n"
+"    float a = abs(c);\n"
+"    float p = ((0.0066700901 - 0.0012624911 * a) * a - 0.0170881256) * a + 0.0308918810;\n"
+"    p = (((p * a - 0.0501743046) * a + 0.0889789874) * a - 0.2145988016) * a + 1.5707963050;\n"
+"    float angle = sqrt(1.0 - a) * p;\n"
+"    return c < 0.0 ? HBIL_PI - angle : angle;\n"
 "}\n";
 static const char hbil__glsl_light_hbil_caps[] =
-"// Solid angle that two spherical caps share. c1, c2: cosines of their half angles; d: angle between their axes, rad.\n"
-"float hbil_caps(float c1, float c2, float d) {\n"
-"    float a1 = hbil_angle(c1);\n"
-"    float a2 = hbil_angle(c2);\n"
-"    if (d >= a1 + a2) return 0.0;\n"
-"    if (d <= abs(a1 - a2)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));\n"
-"    // from here on no cap is a point, and d is between 0 and pi\n"
+"// Solid angle that two spherical caps share, neither more than a hemisphere. c1, c2: cosines of their half angles; cd:\n"
+"// of the angle between their axes, which rounding may take beyond 1.\n"
+"float hbil_caps(float c1, float c2, float cd) {\n"
 "    float s1 = sqrt((1.0 - c1) * (1.0 + c1));\n"
 "    float s2 = sqrt((1.0 - c2) * (1.0 + c2));\n"
-"    float cd = cos(d);\n"
-"    float sd = sin(d);\n"
+"    if (cd <= c1 * c2 - s1 * s2) return 0.0;\n"
+"    if (cd >= min(c1 * c2 + s1 * s2, 1.0)) return 2.0 * HBIL_PI * (1.0 - max(c1, c2));\n"
+"    // from here on no cap is a point, and their axes are not the same\n"
+"    float sd = sqrt((1.0 - cd) * (1.0 + cd));\n"
 "    float lens = HBIL_PI - hbil_angle(clamp((cd - c1 * c2) / (s1 * s2), -1.0, 1.0))\n"
 "        - c1 * hbil_angle(clamp((c2 - cd * c1) / (sd * s1), -1.0, 1.0))\n"
 "        - c2 * hbil_angle(clamp((c1 - cd * c2) / (sd * s2), -1.0, 1.0));\n"
@@ -4487,8 +4491,8 @@ static const char hbil__glsl_light_hbil_specular_occlusion[] =
 "float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {\n"
 "    float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));\n"
 "    vec3 mirror = 2.0 * dot(n, v) * n - v;\n"
-"    float seen = hbil_caps(sqrt(clamp(1.0 - ao, 0.0, 1.0)), lobe, hbil_angle(clamp(dot(axis, mirror), -1.0, 1.0)));\n"
-"    float open = hbil_caps(0.0, lobe, hbil_angle(clamp(dot(n, mirror), -1.0, 1.0)));\n"
+"    float seen = hbil_caps(min(sqrt(1.0 - ao), 1.0), lobe, dot(axis, mirror));\n"
+"    float open = hbil_caps(0.0, lobe, dot(n, mirror));\n"
 "    return mix(clamp(seen / open, 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));\n"
 "}\n";
 static const char hbil__glsl_light_hbil_multi_bounce[] =
@@ -6779,6 +6783,10 @@ hbil_result hbil_config_resolve(const hbil_config *in, hbil_config *out, hbil_di
     if (c.noise == HBIL_NOISE_IGN) /* make bounds */
         hbil__say(diags, HBIL_NOTE, hbil_option_find("noise", 5, NULL), "noise=ign: rounding moves it, so ao differs by up to 3e-3 between devices",
                   ", by .1 at 16384 pixels; hilbert_r2 is exact");
+    if ((c.storage == HBIL_STORAGE_HALF || c.arithmetic == HBIL_ARITHMETIC_HALF) && c.outputs & (HBIL_OUTPUTS_CONE | HBIL_OUTPUTS_SPECULAR_OCCLUSION))
+        hbil__say(diags, HBIL_NOTE, c.storage == HBIL_STORAGE_HALF ? hbil_option_find("storage", 7, NULL) : hbil_option_find("arithmetic", 10, NULL),
+                  "half: a cone is the root of what is hidden, so half floats move cone by up to 2e-2, specular_occlusion by 3e-2",
+                  ", where little is; full moves them by 2e-3 and 5e-4");
     if (c.bounces == HBIL_BOUNCES_RECURSIVE && c.facing == HBIL_FACING_NONE)
         hbil__say(diags, HBIL_NOTE, hbil_option_find("facing", 6, NULL), "facing=none with bounces=recursive: light of surfaces that face away adds up",
                   " from bounce to bounce; half_space cuts it off");

@@ -61,7 +61,8 @@ uint hbil_lit_bits(hbil_receiver r, hbil_fan f, vec3 normal) {
     // the source's plane meets the slice in a line; of its two ends, the one above the receiver
     float side = y * f.front.nx - x * r.ny < 0.0 ? -1.0 : 1.0;
     vec2 end = side * vec2(y, -x) * inversesqrt(max(x * x + y * y, 1e-20));
-    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, end.y) : hbil_edge(f, f.front, false, end.y);
+    float c = min(end.y, 1.0);
+    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, c) : hbil_edge(f, f.front, false, c);
     return side > 0.0 ? hbil_bits(edge, 32) : hbil_bits(0, edge);
 }
 #endif
@@ -76,10 +77,10 @@ vec2 hbil_turn(hbil_fan f, int edge) {
     float c0 = is_back ? f.back.c0 : f.front.c0;
     float all = is_back ? f.light_back : f.light_front;
     float goal = sqrt(clamp(1.0 - abs(light) / all, 0.0, 1.0));
-    float c = mix(c0, 1.0, goal);
+    float c = min(mix(c0, 1.0, goal), 1.0); // a root of 1 may be above it
     for (int i = 0; i < 3; ++i) {
         float root = sqrt(clamp(1.0 - hbil_edge_light(nx, f.ny, c) / all, 1e-12, 1.0));
-        float slope = nx * sqrt(max((1.0 - c) * (1.0 + c), 0.0)) + f.ny * c;
+        float slope = nx * sqrt((1.0 - c) * (1.0 + c)) + f.ny * c;
         c = clamp(c + 2.0 * (goal - root) * root * all / max(slope, 1e-6), c0, 1.0);
     }
     return vec2(is_back ? -1.0 : 1.0, edge == (is_back ? 0 : 32) ? c0 : c);

@@ -81,7 +81,7 @@ float hbil_cone_cosine(float ao) {
 #if HBIL_SEED_COMPAT_CONE_RELATION
     return 1.0 - ao; // the relation of uniform visibility
 #else
-    return sqrt(clamp(1.0 - ao, 0.0, 1.0));
+    return sqrt(1.0 - ao);
 #endif
 }
 

@@ -49,7 +49,7 @@ vec4 hbil_signal(ivec2 p, int layer) {
 //@ chunk hbil_pass_on
 // Leave a signal for the next pass.
 void hbil_pass_on(ivec2 p, vec4 s[HBIL_LAYERS]) {
-#if HBIL_STORAGE_HALF
+#if HBIL_STORAGE_HALF || HBIL_ARITHMETIC_HALF
     for (int i = 0; i < HBIL_LAYERS; ++i) s[i] = clamp(s[i], vec4(-HBIL_RADIANCE_MAX), vec4(HBIL_RADIANCE_MAX));
 #endif
 #if HBIL_ONLY_AO
@@ -110,7 +110,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     float ao = clamp(s[0].a, 0.0, 1.0);
 #if !HBIL_AO_EXPONENT_1
     float lift = exp2((HBIL_AO_EXPONENT - 1.0) * log2(max(ao, 1e-6)));
-    ao *= lift;
+    ao = min(ao * lift, 1.0); // Vulkan lets a logarithm of 1 be wrong by 5e-7
 #endif
 #endif
 #if HBIL_AO
@@ -125,7 +125,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     imageStore(u_bent, p, vec4(bent, 1.0));
 #endif
 #if HBIL_OUTPUTS_UNIFORM_AO
-    imageStore(u_uniform_ao, p, vec4(s[HBIL_AT_FAR].a));
+    imageStore(u_uniform_ao, p, vec4(min(s[HBIL_AT_FAR].a, 1.0)));
 #endif
 #if HBIL_NEAR_LIGHT
     vec3 near = s[0].rgb;

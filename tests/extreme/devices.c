@@ -27,10 +27,10 @@ static int run_runner(void *it, const hbil_plan *plan, const hbil_frame *frame, 
     return runner_run((runner *)it, plan, frame, inputs, outputs, 1, NULL, error, size);
 }
 
-/* min and max of NaN give NaN: the worst that GLSL allows. */
+/* min and max of NaN give NaN: the worst that GLSL allows. loose: what Vulkan allows of precision, too. */
 static void *open_twin(const char *name, char *error, size_t size)
 {
-    twin *t = twin_open(TWIN_FLOAT, TWIN_STICKY);
+    twin *t = twin_open(TWIN_FLOAT, strcmp(name, "loose") == 0 ? TWIN_STICKY | TWIN_LOOSE : TWIN_STICKY);
     if (!t) frame_error(error, size, "%s: out of memory", name);
     return t;
 }
@@ -50,7 +50,16 @@ static const device_kind kinds[] = {
     { "gl", "gl", open_runner, close_runner, run_runner, text_runner, hook_runner },
     { "gles", "gles", open_runner, close_runner, run_runner, text_runner, hook_runner },
     { "twin", "vulkan", open_twin, close_twin, run_twin, text_twin, hook_twin },
+    { "loose", "vulkan", open_twin, close_twin, run_twin, text_twin, hook_twin },
 };
+
+int device_known(const char *name)
+{
+    size_t i;
+    for (i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (strcmp(kinds[i].name, name) == 0) return 1;
+    return 0;
+}
 
 device *device_open(const char *name, char *error, size_t error_size)
 {
@@ -66,7 +75,7 @@ device *device_open(const char *name, char *error, size_t error_size)
         free(d);
         return NULL;
     }
-    frame_error(error, error_size, "%s: no such device; vulkan, gl, gles or twin", name);
+    frame_error(error, error_size, "%s: no such device; " DEVICES, name);
     return NULL;
 }
 

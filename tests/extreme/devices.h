@@ -7,7 +7,11 @@
 
 typedef struct device device;
 
-/* name: "vulkan", "gl", "gles", "twin". NULL: error[] says what is missing. */
+/* Their names. twin: the shaders' text compiled for the CPU, where min and max of NaN give NaN. loose: the same, as inaccurate as Vulkan's
+ * table of precision allows, denormals flushed. */
+#define DEVICES "vulkan, gl, gles, twin or loose"
+int         device_known(const char *name);
+/* NULL: error[] says what is missing. */
 device     *device_open(const char *name, char *error, size_t error_size);
 void        device_close(device *d);
 const char *device_name(const device *d);

@@ -9,6 +9,7 @@
 
 #define HBIL_IMPLEMENTATION
 #include "case_file.h"
+#include "devices.h"
 #include "contract.h"
 #include "run_case.h"
 #include "shrink.h"
@@ -28,8 +29,9 @@ static const char help[] =
     "  --seconds S       stop after so long. Default: 20, or no limit with --pixels or --variants\n"
     "  --pixels N        stop after so many. Default: no limit\n"
     "  --per-variant N   pixels on each config, default 40000; less where the march is long\n"
-    "  --backend LIST    vulkan, gl, gles, twin; several with commas, which take turns. Default: vulkan. twin\n"
-    "                    is the shaders' text compiled for the CPU: seconds a config\n"
+    "  --backend LIST    " DEVICES "; several with commas, which take turns. Default:\n"
+    "                    vulkan. twin is the shaders' text compiled for the CPU: seconds a config; loose the same,\n"
+    "                    as inaccurate as Vulkan allows\n"
     "  --failures N      stop after so many different ones, default 1\n"
     "  --shrink S        seconds for making a failure small, default 60\n"
     "  --out DIR         where cases of failures go, default .\n"
@@ -291,15 +293,14 @@ static int take_backends(options *o, const char *list)
 {
     char *word;
     o->backend_count = 0;
-    if (!list || strlen(list) >= sizeof o->list) return wrong("vulkan, gl, gles or twin must follow", "--backend");
+    if (!list || strlen(list) >= sizeof o->list) return wrong(DEVICES " must follow", "--backend");
     strcpy(o->list, list);
     for (word = strtok(o->list, ","); word; word = strtok(NULL, ",")) {
-        if (strcmp(word, "vulkan") && strcmp(word, "gl") && strcmp(word, "gles") && strcmp(word, "twin"))
-            return wrong("no such device: vulkan, gl, gles or twin", word);
+        if (!device_known(word)) return wrong("no such device: " DEVICES, word);
         if (o->backend_count == BACKENDS_MAX) return wrong("more devices than eight", "--backend");
         o->backends[o->backend_count++] = word;
     }
-    return o->backend_count > 0 || wrong("vulkan, gl, gles or twin must follow", "--backend");
+    return o->backend_count > 0 || wrong(DEVICES " must follow", "--backend");
 }
 
 /* Files that are no options are moved to the front of argv. */

@@ -7,11 +7,17 @@
 #include "../bench/bench_common.h"
 #include "twin.h"
 
-enum { WIDTH = 96, HEIGHT = 72, WIDEST = 16384, LOWEST = 16, MOST_PIXELS = WIDEST * LOWEST, OUTPUTS = 3, PRECISIONS = 3 };
+enum { WIDTH = 96, HEIGHT = 72, WIDEST = 16384, LOWEST = 16, MOST_PIXELS = WIDEST * LOWEST, PRECISIONS = 3 };
+/* Outputs of the first table, and of the second. */
+enum { FIRST = 3, OUTPUTS = 11 };
 
 static const char mark_begin[] = "<!-- bounds: written by make bounds -->", mark_end[] = "<!-- bounds: end -->";
 static const char base[] = "outputs=ao+near+bent reach=1 slices=3 dynamic=slices+reach filter=3x3 ";
-static const char *const output_names[OUTPUTS] = {"ao", "near", "bent"};
+static const char everything[] = "outputs=ao+near+bent+uniform_ao+cone+sh+far+irradiance+specular_occlusion+composite environment=sh f0=rgb "
+                                 "roughness=0.3 reach=1 slices=3 dynamic=slices+reach filter=3x3 ";
+static const char bounced[] = "outputs=ao+multi_bounce reach=1 slices=3 dynamic=slices+reach filter=3x3 "; /* goes with no near light */
+static const char *const output_names[OUTPUTS] = {"ao", "near", "bent", "uniform_ao", "cone", "sh", "far", "irradiance", "specular_occlusion", "multi_bounce",
+                                                  "composite"};
 static const char *const precision_names[PRECISIONS] = {"float", "storage=half", "arithmetic=half too"};
 static const char *const precision_options[PRECISIONS] = {"", "storage=half ", "storage=half arithmetic=half "};
 
@@ -21,6 +27,7 @@ typedef struct point {
     int    slices;
     const char *options;                 /* of the method */
     int    width, height;                /* pixels */
+    const char *config;                  /* what the options are added to */
 } point;
 
 static const double limit = 2e-3; /* what one pixel in a thousand may exceed; where more do, hbil.h says so (hbil_config_resolve) */
@@ -57,8 +64,9 @@ static void scene_pixel(const point *p, double tan_half, double x, double y, flo
 static void make_frame(const point *p, const hbil_plan *plan, hbil_frame *frame, image inputs[HBIL_MAX_TEXTURES])
 {
     const double t = tan(p->fov * 3.14159265358979 / 360);
-    const int32_t depth = hbil_plan_texture(plan, "depth"), normal = hbil_plan_texture(plan, "normal"), light = hbil_plan_texture(plan, "radiance");
-    int x, y;
+    const int32_t depth = hbil_plan_texture(plan, "depth"), normal = hbil_plan_texture(plan, "normal");
+    int x, y, k;
+    uint32_t other;
     memset(frame, 0, sizeof *frame);
     memset(inputs, 0, HBIL_MAX_TEXTURES * sizeof *inputs);
     frame->width = (uint32_t)p->width;
@@ -68,14 +76,28 @@ static void make_frame(const point *p, const hbil_plan *plan, hbil_frame *frame,
     frame->projection[10] = 1;
     frame->projection[11] = 1;
     frame->projection[14] = -1e-3f;
+    if (plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC) { /* as much of the scene: ndc = z / 1e6 */
+        frame->projection[0] /= (float)p->distance;
+        frame->projection[5] /= (float)p->distance;
+        frame->projection[10] = 1e-6f;
+        frame->projection[11] = frame->projection[14] = 0;
+        frame->projection[15] = 1;
+    }
     frame->view[0] = frame->view[5] = frame->view[10] = frame->view[15] = 1;
-    if (!image_make(&inputs[depth], p->width, p->height, 1) || !image_make(&inputs[normal], p->width, p->height, 3) ||
-        (light >= 0 && !image_make(&inputs[light], p->width, p->height, 3))) die(5, "out of memory");
+    for (k = 0; k < 3; ++k) frame->far_sh[0][k] = 1.5f, frame->far_sh[1][k] = 0.4f, frame->far_sh[3][k] = -0.3f, frame->far_sh[6][k] = 0.2f;
+    for (other = 0; other < plan->texture_count; ++other)
+        if (plan->textures[other].life == HBIL_LIFE_INPUT && !image_make(&inputs[other], p->width, p->height, other == (uint32_t)depth ? 1 : 3))
+            die(5, "out of memory");
     for (y = 0; y < p->height; ++y)
         for (x = 0; x < p->width; ++x) {
             const int i = y * p->width + x;
-            float unused[3];
-            scene_pixel(p, t, x + 0.5, y + 0.5, &inputs[depth].data[i], &inputs[normal].data[3 * i], light >= 0 ? &inputs[light].data[3 * i] : unused);
+            float light[3];
+            scene_pixel(p, t, x + 0.5, y + 0.5, &inputs[depth].data[i], &inputs[normal].data[3 * i], light);
+            for (other = 0; other < plan->texture_count; ++other) { /* radiance, albedo, f0 and direct alike; no paint is white */
+                const float part = strcmp(plan->textures[other].name, "albedo") == 0 ? 0.8f : 1.0f;
+                if (!inputs[other].data || other == (uint32_t)depth || other == (uint32_t)normal) continue;
+                for (k = 0; k < 3; ++k) inputs[other].data[3 * i + k] = part * light[k];
+            }
         }
 }
 
@@ -96,7 +118,7 @@ static void run(twin *t, const point *p, const char *options, hbil_plan *plan, i
     hbil_frame frame;
     hbil_config live;
     char text[512];
-    snprintf(text, sizeof text, "%s%s%s", base, p->options, options);
+    snprintf(text, sizeof text, "%s%s%s", p->config, p->options, options);
     make_plan(text, plan);
     make_frame(p, plan, &frame, inputs);
     live = plan->config;
@@ -107,11 +129,11 @@ static void run(twin *t, const point *p, const char *options, hbil_plan *plan, i
     free_images(inputs);
 }
 
-/* Length of the difference of an output, pixel by pixel. Radiance is at most 1, ao too, and bent vectors are. */
-static cell difference(const image *got, const double *truth)
+/* Length of the difference of an output, pixel by pixel. All are at most 1 but sh, which is divided by an open hemisphere's. */
+static cell difference(const image *got, const double *truth, double one)
 {
     static double d[MOST_PIXELS];
-    const int channels = got->channels < 3 ? got->channels : 3, pixels = got->width * got->height;
+    const int channels = got->channels, pixels = got->width * got->height * image_slices(got);
     cell c;
     int i, k;
     for (i = 0; i < pixels; ++i) {
@@ -120,7 +142,7 @@ static cell difference(const image *got, const double *truth)
             const double off = (double)got->data[i * got->channels + k] - truth[i * got->channels + k];
             sum += off * off;
         }
-        d[i] = sqrt(sum);
+        d[i] = sqrt(sum) / one;
         if (!(d[i] < 1e30)) die(4, "an output is no number");
     }
     qsort(d, (size_t)pixels, sizeof *d, by_size);
@@ -141,7 +163,8 @@ static void measure(const point *p, cell cells[PRECISIONS][OUTPUTS])
             const int32_t there = hbil_plan_texture(&plan, output_names[o]);
             cells[k][o].often = cells[k][o].most = -1;
             if (there >= 0 && outputs[there].data)
-                cells[k][o] = difference(&outputs[there], twin_output(exact, hbil_plan_texture(&truth, output_names[o])));
+                cells[k][o] = difference(&outputs[there], twin_output(exact, hbil_plan_texture(&truth, output_names[o])),
+                                         strcmp(output_names[o], "sh") ? 1 : 1.7725);
         }
         free_images(outputs);
     }
@@ -157,20 +180,76 @@ static void put_row(page *p, const char *name, const point *at)
     measure(at, cells);
     put(p, "| %s |", name);
     for (k = 0; k < PRECISIONS; ++k)
-        for (o = 0; o < OUTPUTS; ++o) {
+        for (o = 0; o < FIRST; ++o) {
             if (cells[k][o].most < 0) put(p, " |");
             else put(p, cells[k][o].often > limit ? " **%.0e** / %.0e |" : " %.0e / %.0e |", cells[k][o].often, cells[k][o].most);
         }
     put(p, "\n");
 }
 
-static const point plain = {4, 0.2, 60, 1, 3, "", WIDTH, HEIGHT};
+static const point plain = {4, 0.2, 60, 1, 3, "", WIDTH, HEIGHT, base};
+
+/* An end of the second table, and what it has shown. */
+typedef struct worst { cell cell; char where[40]; } worst;
+
+static void put_worst(page *p, const worst of[PRECISIONS][OUTPUTS])
+{
+    int k, o;
+    put(p, "\n|  |");
+    for (k = 0; k < PRECISIONS; ++k) put(p, " %s | at |", precision_names[k]);
+    put(p, "\n|:--|--:|:--|--:|:--|--:|:--|\n");
+    for (o = 0; o < OUTPUTS; ++o) {
+        put(p, "| `%s` |", output_names[o]);
+        for (k = 0; k < PRECISIONS; ++k)
+            put(p, of[k][o].cell.often > limit ? " **%.0e** / %.0e | %s |" : " %.0e / %.0e | %s |", of[k][o].cell.often, of[k][o].cell.most, of[k][o].where);
+        put(p, "\n");
+    }
+}
+
+/* Every output at the ends alone. */
+static void put_ends(page *p)
+{
+    static const struct { const char *name; double distance, relief, fov, reach; int slices; const char *options; } ends[] = {
+        {"times 0.001", 4e-3, 0.2, 60, 1e-3, 3, ""}, {"times 1e6", 4e6, 0.2, 60, 1e6, 3, ""}, {"1e6 m away", 1e6, 8e-7, 60, 1, 3, ""},
+        {"1 degree", 4, 0.2, 1, 1, 3, ""}, {"170 degrees", 4, 0.2, 170, 1, 3, ""}, {"reach 1e-6 m", 4, 0.2, 60, 1e-6, 3, ""},
+        {"reach 1e9 m", 4, 0.2, 60, 1e9, 3, ""}, {"slices=1", 4, 0.2, 60, 1, 1, ""}, {"slices=64", 4, 0.2, 60, 1, 64, ""},
+        {"bitmask", 4, 0.2, 60, 1, 3, "estimator=bitmask "}, {"downscale=2", 4, 0.2, 60, 1, 3, "downscale=2 "},
+    };
+    worst of[PRECISIONS][OUTPUTS];
+    cell cells[PRECISIONS][OUTPUTS];
+    const size_t n = sizeof ends / sizeof *ends;
+    size_t i, r;
+    int k, o;
+    memset(of, 0, sizeof of);
+    all += 2 * (int)n;
+    for (r = 0; r < 2 * n; ++r) {
+        point at = plain;
+        i = r % n;
+        at.distance = ends[i].distance, at.relief = ends[i].relief, at.fov = ends[i].fov, at.reach = ends[i].reach, at.slices = ends[i].slices;
+        at.options = ends[i].options, at.config = r < n ? everything : bounced;
+        measure(&at, cells);
+        for (k = 0; k < PRECISIONS; ++k)
+            for (o = 0; o < OUTPUTS; ++o)
+                if (cells[k][o].often > of[k][o].cell.often) {
+                    of[k][o].cell = cells[k][o];
+                    snprintf(of[k][o].where, sizeof of[k][o].where, "%s", ends[i].name);
+                }
+    }
+    put_worst(p, (const worst(*)[OUTPUTS])of);
+}
 
 static void put_rows(page *p)
 {
     static const double scales[] = {1e-3, 1, 1e3, 1e6}, far[] = {10, 1e3, 1e5, 1e6}, fovs[] = {1, 5, 20, 60, 120, 150, 170},
                         reaches[] = {1e-6, 1e-3, 1e-1, 10, 1e3, 1e9};
     static const int slices[] = {1, 2, 8, 64};
+    static const struct { const char *name, *config; } others[] = {
+        {"march=sweep", "outputs=ao+near+bent slices=4 march=sweep filter=3x3 "},
+        {"march=both, bitmask, thick", "outputs=ao+near+bent slices=4 march=both estimator=bitmask occluder=thick reach=1 filter=3x3 "},
+        {"projection=orthographic", "outputs=ao+near+bent reach=1 slices=3 dynamic=slices+reach filter=3x3 projection=orthographic "},
+        {"temporal=yes, first frame", "outputs=ao+near+bent reach=1 slices=3 dynamic=slices+reach filter=3x3 temporal=yes reproject=camera "},
+        {"estimator=hbao", "outputs=ao estimator=hbao reach=1 slices=3 filter=3x3 "}, {"estimator=hbao_plus", "outputs=ao estimator=hbao_plus reach=1 slices=3 filter=3x3 "},
+    };
     static const struct { const char *name, *options; } methods[] = {
         {"estimator=bitmask", "estimator=bitmask "}, {"estimator=bitmask, thick", "estimator=bitmask occluder=thick "},
         {"occluder=heuristic", "occluder=heuristic "}, {"sampling=bilinear", "sampling=bilinear "}, {"mips=spread", "mips=spread "},
@@ -179,7 +258,7 @@ static void put_rows(page *p)
     char name[80];
     size_t i;
     point at;
-    all = 4 + 4 + 7 + 6 + 4 + 2 + (int)(sizeof methods / sizeof *methods);
+    all = 4 + 4 + 7 + 6 + 4 + 2 + (int)(sizeof methods / sizeof *methods + sizeof others / sizeof *others);
 #define EACH(list) for (i = 0, at = plain; i < sizeof list / sizeof *list; ++i)
 #define ROW(...) snprintf(name, sizeof name, __VA_ARGS__), put_row(p, name, &at)
     EACH(scales) at.distance = 4 * scales[i], at.reach = scales[i], ROW("all of it times %g", scales[i]);
@@ -188,6 +267,9 @@ static void put_rows(page *p)
     EACH(reaches) at.reach = reaches[i], ROW("reach %g m", reaches[i]);
     EACH(slices) at.slices = slices[i], ROW("slices=%d", slices[i]);
     EACH(methods) at.options = methods[i].options, ROW("%s", methods[i].name);
+    EACH(others) at.config = others[i].config, ROW("%s", others[i].name);
+    at = plain;
+    at.options = "noise=ign ";
     at.width = WIDEST, at.height = LOWEST, ROW("noise=ign, %d pixels wide", at.width);
     at.options = "", ROW("%d pixels wide", at.width);
 #undef ROW
@@ -199,15 +281,18 @@ static void put_page(page *p)
     int k, o;
     put(p, "|  |");
     for (k = 0; k < PRECISIONS; ++k)
-        for (o = 0; o < OUTPUTS; ++o) put(p, " %s, %s |", precision_names[k], output_names[o]);
+        for (o = 0; o < FIRST; ++o) put(p, " %s, %s |", precision_names[k], output_names[o]);
     put(p, "\n|:--|");
-    for (k = 0; k < PRECISIONS * OUTPUTS; ++k) put(p, "--:|");
+    for (k = 0; k < PRECISIONS * FIRST; ++k) put(p, "--:|");
     put(p, "\n");
     put_rows(p);
-    fputc('\n', stderr);
     put(p, "\nWhat one pixel in a thousand exceeds / the largest error of a frame of %dx%d, against the same text in double with storage=full; radiance is at "
            "most 1. A relief, %g m away, field of view %g degrees, reach %g m, slices=%d, filter=3x3 but where the row says otherwise. Bold: more than %g. Large errors of "
-           "few pixels are horizons, sectors and texels that rounding moves; noise=ign is another noise.\n\n", WIDTH, HEIGHT, plain.distance, plain.fov, plain.reach, plain.slices, limit);
+           "few pixels are horizons, sectors and texels that rounding moves; noise=ign is another noise.\n\nEvery output, and the end at which it is worst:\n", WIDTH,
+           HEIGHT, plain.distance, plain.fov, plain.reach, plain.slices, limit);
+    put_ends(p);
+    fputc('\n', stderr);
+    put(p, "\n");
 }
 
 static const char help[] =

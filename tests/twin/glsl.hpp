@@ -65,20 +65,41 @@ struct real {
     }
 };
 
+/* GLSL_LOOSE: results are as bad as Vulkan lets them be. Denormals are 0; functions are off by as many units in the last place as the
+ * specification has in its table of precision, up or down by chance (the same for the same result). */
+#if GLSL_LOOSE
+GLSL constexpr number flushed(number v) { return v < 0x1p-126f && v > -0x1p-126f ? v * 0 : v; }
+GLSL constexpr int thrown(number v)
+{
+    const uint32_t bits = __builtin_bit_cast(uint32_t, (float)v) * 0x9e3779b9u;
+    return (int)(bits >> 20 & 7) < 3 ? -1 : (int)(bits >> 20 & 7) > 4; /* -1, 0, 1 */
+}
+GLSL constexpr number off_by(number v, int ulps)
+{
+    v = flushed(v);
+    if (v - v != 0 || v == 0) return v;
+    return flushed((number)__builtin_bit_cast(float, __builtin_bit_cast(uint32_t, (float)v) + (uint32_t)(ulps * thrown(v))));
+}
+#else
+GLSL constexpr number flushed(number v) { return v; }
+GLSL constexpr int thrown(number) { return 0; }
+GLSL constexpr number off_by(number v, int) { return v; }
+#endif
+
 GLSL constexpr number divided(number a, number b)
 {
     if (b == 0) fault(TWIN_DIVISION, "division by zero", 0, 0, 0);
-    return a / b;
+    return off_by(a / b, 2);
 }
 
-GLSL constexpr real operator+(real a, real b) { a.v += b.v; return a; }
-GLSL constexpr real operator-(real a, real b) { a.v -= b.v; return a; }
-GLSL constexpr real operator*(real a, real b) { a.v *= b.v; return a; }
+GLSL constexpr real operator+(real a, real b) { a.v = flushed(a.v + b.v); return a; }
+GLSL constexpr real operator-(real a, real b) { a.v = flushed(a.v - b.v); return a; }
+GLSL constexpr real operator*(real a, real b) { a.v = flushed(a.v * b.v); return a; }
 GLSL constexpr real operator/(real a, real b) { a.v = divided(a.v, b.v); return a; }
 GLSL constexpr real operator-(real a) { a.v = -a.v; return a; }
-GLSL real &operator+=(real &a, real b) { a.v += b.v; return a; }
-GLSL real &operator-=(real &a, real b) { a.v -= b.v; return a; }
-GLSL real &operator*=(real &a, real b) { a.v *= b.v; return a; }
+GLSL real &operator+=(real &a, real b) { return a = a + b; }
+GLSL real &operator-=(real &a, real b) { return a = a - b; }
+GLSL real &operator*=(real &a, real b) { return a = a * b; }
 GLSL real &operator/=(real &a, real b) { a.v = divided(a.v, b.v); return a; }
 GLSL constexpr bool operator<(real a, real b) { return a.v < b.v; }
 GLSL constexpr bool operator>(real a, real b) { return a.v > b.v; }
@@ -87,19 +108,29 @@ GLSL constexpr bool operator>=(real a, real b) { return a.v >= b.v; }
 GLSL constexpr bool operator==(real a, real b) { return a.v == b.v; }
 GLSL constexpr bool operator!=(real a, real b) { return a.v != b.v; }
 
-GLSL real sqrt(real x) { x.v = (number)::sqrt(x.v); return x; }
+GLSL real root(real x) { x.v = (number)::sqrt(x.v); return x; }
+GLSL real sqrt(real x) { x.v = off_by(root(x).v, 4); return x; } /* 1 / inversesqrt(x) */
 #if GLSL_DOUBLE
 #define GLSL_CALL(name) ::name
 #else
 #define GLSL_CALL(name) ::name##f
 #endif
 #define GLSL_FUNCTION(name) GLSL real name(real x) { x.v = GLSL_CALL(name)(x.v); return x; }
-GLSL_FUNCTION(floor) GLSL_FUNCTION(rint) GLSL_FUNCTION(sin) GLSL_FUNCTION(cos) GLSL_FUNCTION(exp2) GLSL_FUNCTION(log2)
+GLSL_FUNCTION(floor) GLSL_FUNCTION(rint)
 GLSL real roundEven(real x) { return rint(x); }
-GLSL real inversesqrt(real x) { x.v = (number)1 / sqrt(x).v; return x; }
+GLSL real sin(real x) { x.v = GLSL_CALL(sin)(x.v); x.v += (number)0x1p-11 * thrown(x.v); return x; }
+GLSL real cos(real x) { x.v = GLSL_CALL(cos)(x.v); x.v += (number)0x1p-11 * thrown(x.v); return x; }
+GLSL real exp2(real x) { x.v = off_by(GLSL_CALL(exp2)(x.v), 3 + (int)(2 * fmin(fabs((double)x.v), 500))); return x; }
+GLSL real log2(real x)
+{
+    const number exact = GLSL_CALL(log2)(x.v);
+    x.v = x.v >= (number)0.5 && x.v <= 2 ? exact + (number)0x1p-21 * thrown(x.v) : off_by(exact, 3);
+    return x;
+}
+GLSL real inversesqrt(real x) { x.v = off_by((number)1 / root(x).v, 2); return x; }
 GLSL real abs(real x) { x.v = GLSL_CALL(fabs)(x.v); return x; }
 GLSL real fract(real x) { return x - floor(x); }
-GLSL real atan(real y, real x) { y.v = GLSL_CALL(atan2)(y.v, x.v); return y; }
+GLSL real atan(real y, real x) { y.v = off_by(GLSL_CALL(atan2)(y.v, x.v), 4096); return y; }
 /* NaN as GLSL words it: the first operand, unless the other one is less. GLSL_STICKY: NaN wherever one is, as other devices may. */
 GLSL real min(real a, real b)
 {

@@ -162,6 +162,7 @@ std::string flags_of(const twin *t)
     std::string flags = "-std=c++20 -O1 -g1 -fPIC -shared -fvisibility=hidden -ffp-contract=off -fno-math-errno -w";
     flags += t->precision == TWIN_DOUBLE ? " -DGLSL_DOUBLE=1" : " -DGLSL_DOUBLE=0";
     flags += t->flags & TWIN_STICKY ? " -DGLSL_STICKY=1" : " -DGLSL_STICKY=0";
+    flags += t->flags & TWIN_LOOSE ? " -DGLSL_LOOSE=1" : " -DGLSL_LOOSE=0";
     if (t->flags & TWIN_SANITIZE) /* of arithmetic: memory is checked by glsl.hpp, texel by texel */
         flags += " -fsanitize=shift,signed-integer-overflow,integer-divide-by-zero,float-divide-by-zero,float-cast-overflow,bounds,bool"
                  " -fno-sanitize-recover=all";
