@@ -2065,7 +2065,7 @@ static double room_of(const methods_options *o, const bf_camera *cam, const doub
     double low = 0.0, high = 1000.0;
     for (int i = 0; i < 60; ++i) {
         const double t = 0.5 * (low + high), px = x + 0.5 + t * d[0], py = y + 0.5 + t * d[1];
-        const int    inside = px > 0.0 && py > 0.0 && px < cam->width && py < cam->height;
+        const int    inside = fmin(px, py) > 0.01 && px < cam->width - 0.01 && py < cam->height - 0.01; /* as hbil_border */
         *(inside && (o->reach == 0.0 || off_ray(cam, p, px, py) < o->reach) ? &low : &high) = t;
     }
     return low;
