@@ -2361,6 +2361,7 @@ static const char hbil__glsl_horizon_hbil_lit[] =
 "vec2 hbil_lit(hbil_receiver r, hbil_side s, vec3 normal, vec2 arc) {\n"
 "    float x = dot(normal, s.tangent);\n"
 "    float y = dot(normal, r.v);\n"
+"    // min: an inverse root may be too large, and no arc is defined beyond 1\n"
 "    float edge = min((y < 0.0 ? x : -x) * inversesqrt(max(x * x + y * y, 1e-20)), 1.0);\n"
 "    if (y < 0.0) arc.x = max(arc.x, edge);\n"
 "    else arc.y = min(arc.y, edge);\n"
@@ -2662,7 +2663,7 @@ static const char hbil__glsl_bitmask_hbil_lit_bits[] =
 "    // the source's plane meets the slice in a line; of its two ends, the one above the receiver\n"
 "    float side = y * f.front.nx - x * r.ny < 0.0 ? -1.0 : 1.0;\n"
 "    vec2 end = side * vec2(y, -x) * inversesqrt(max(x * x + y * y, 1e-20));\n"
-"    float c = min(end.y, 1.0);\n"
+"    float c = min(end.y, 1.0); // an inverse root may be too large, and no arc is defined beyond 1\n"
 "    int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, c) : hbil_edge(f, f.front, false, c);\n"
 "    return side > 0.0 ? hbil_bits(edge, 32) : hbil_bits(0, edge);\n"
 "}\n"
@@ -4462,7 +4463,7 @@ static const char hbil__glsl_upsample_main[] =
 "}\n";
 static const char hbil__glsl_light_hbil_angle[] =
 "// acos by sums and products, which are exact everywhere: Vulkan lets acos and atan be wrong by 5e-4. c in [-1, 1]; rad,\n"
-"// error 3e-7. Abramowitz and Stegun 4.4.46\n"
+"// error 5e-7. Abramowitz and Stegun 4.4.46\n"
 "float hbil_angle(float c) {\n"
 "    float a = abs(c);\n"
 "    float p = ((0.0066700901 - 0.0012624911 * a) * a - 0.0170881256) * a + 0.0308918810;\n"
@@ -4491,6 +4492,7 @@ static const char hbil__glsl_light_hbil_specular_occlusion[] =
 "float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {\n"
 "    float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));\n"
 "    vec3 mirror = 2.0 * dot(n, v) * n - v;\n"
+"    // min: a root of 1 may be above it\n"
 "    float seen = hbil_caps(min(sqrt(1.0 - ao), 1.0), lobe, dot(axis, mirror));\n"
 "    float open = hbil_caps(0.0, lobe, dot(n, mirror));\n"
 "    return mix(clamp(seen / open, 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));\n"

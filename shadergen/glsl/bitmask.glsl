@@ -61,7 +61,7 @@ uint hbil_lit_bits(hbil_receiver r, hbil_fan f, vec3 normal) {
     // the source's plane meets the slice in a line; of its two ends, the one above the receiver
     float side = y * f.front.nx - x * r.ny < 0.0 ? -1.0 : 1.0;
     vec2 end = side * vec2(y, -x) * inversesqrt(max(x * x + y * y, 1e-20));
-    float c = min(end.y, 1.0);
+    float c = min(end.y, 1.0); // an inverse root may be too large, and no arc is defined beyond 1
     int edge = end.x < 0.0 ? hbil_edge(f, f.back, true, c) : hbil_edge(f, f.front, false, c);
     return side > 0.0 ? hbil_bits(edge, 32) : hbil_bits(0, edge);
 }

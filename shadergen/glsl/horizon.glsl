@@ -64,6 +64,7 @@ float hbil_weight(float nx, float ny, float c, float higher) {
 vec2 hbil_lit(hbil_receiver r, hbil_side s, vec3 normal, vec2 arc) {
     float x = dot(normal, s.tangent);
     float y = dot(normal, r.v);
+    // min: an inverse root may be too large, and no arc is defined beyond 1
     float edge = min((y < 0.0 ? x : -x) * inversesqrt(max(x * x + y * y, 1e-20)), 1.0);
     if (y < 0.0) arc.x = max(arc.x, edge);
     else arc.y = min(arc.y, edge);

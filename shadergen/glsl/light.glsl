@@ -2,7 +2,7 @@
 
 //@ chunk hbil_angle
 // acos by sums and products, which are exact everywhere: Vulkan lets acos and atan be wrong by 5e-4. c in [-1, 1]; rad,
-// error 3e-7. Abramowitz and Stegun 4.4.46
+// error 5e-7. Abramowitz and Stegun 4.4.46
 float hbil_angle(float c) {
     float a = abs(c);
     float p = ((0.0066700901 - 0.0012624911 * a) * a - 0.0170881256) * a + 0.0308918810;
@@ -33,6 +33,7 @@ float hbil_caps(float c1, float c2, float cd) {
 float hbil_specular_occlusion(vec3 n, vec3 v, float ao, vec3 axis, float r) {
     float lobe = exp2(-3.32193 * max(r, 0.02) * max(r, 0.02));
     vec3 mirror = 2.0 * dot(n, v) * n - v;
+    // min: a root of 1 may be above it
     float seen = hbil_caps(min(sqrt(1.0 - ao), 1.0), lobe, dot(axis, mirror));
     float open = hbil_caps(0.0, lobe, dot(n, mirror));
     return mix(clamp(seen / open, 0.0, 1.0), ao, smoothstep(0.5, 0.8, r));

@@ -20,6 +20,8 @@ int  truth_within(const hbil_plan *plan, const extreme_frame *f, const image *ou
                   size_t size);
 /* The same radiance everywhere. */
 void truth_light(const hbil_plan *plan, extreme_frame *out, float value);
+/* Of a white world near and ao are 1 together, something is occluded, and the sky has its own values. */
+extreme_expect truth_white;
 /* A floor and a wall, seen into their corner: half of each is hidden. White. */
 void truth_corner(const hbil_plan *plan, int index, extreme_frame *out);
 

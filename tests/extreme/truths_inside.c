@@ -307,11 +307,8 @@ static int expect_passed(const hbil_plan *plan, int index, const extreme_frame *
 /* A grey corner as bright as can be, amplified: grey it stays, and no darker than what leaves it. */
 static void fill_glare(const hbil_plan *plan, int index, extreme_frame *out)
 {
-    const camera c = camera_of(plan, 48, 40);
-    const plane q[] = { { { 0, 0.8, 0.6 }, -4, { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, -0.6, 0.8 }, -4.2, { 0, 0, 0 }, { 0, 0, 0 } } };
-    frames_begin(plan, out, &c, index);
-    frames_planes(plan, out, q, 2);
-    frames_fill(frames_input(plan, out, "radiance"), 50000);
+    truth_corner(plan, index, out);
+    truth_light(plan, out, 50000);
     frames_fill(frames_input(plan, out, "albedo"), 0.6f);
     out->frame.reset = index == 0;
 }
