@@ -2819,7 +2819,7 @@ static const char hbil__glsl_bitmask_hbil_fill[] =
 "#if HBIL_MARCH_SAMPLED && !HBIL_REACH_0\n"
 "        high = mix(low, high, hbil_fade(l2 * inv));\n"
 "#endif\n"
-"        if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;\n"
+"        if (dot(r.n, h) * inv <= HBIL_BIAS) continue;\n"
 "        int a = hbil_edge(f, s, is_back, low);\n"
 "        int b = hbil_edge(f, s, is_back, high);\n"
 "        uint bits = hbil_bits(min(a, b), max(a, b));\n"
@@ -4219,7 +4219,7 @@ static const char hbil__glsl_march_hbil_store[] =
 "#endif\n"
 "#if HBIL_DEFER\n"
 "    s[0].a = scale * sum.blocked;\n"
-"    s[HBIL_AT_BENT].a = scale * max(sum.full, sum.blocked);\n"
+"    s[HBIL_AT_BENT].a = scale * sum.full; // rounding may leave it below what is blocked: see hbil_finish\n"
 "#elif HBIL_VISIBILITY\n"
 "#if !HBIL_COSINE\n"
 "    float ao = 1.0 - sum.hidden * hbil_mean(sum);\n"
@@ -4506,7 +4506,7 @@ static const char hbil__glsl_light_hbil_multi_bounce[] =
 "    vec3 c = 2.7552 * albedo + 0.6903;\n"
 "    return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit passes 1 by 1e-4\n"
 "#else\n"
-"    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));\n"
+"    return ao / max(1.0 - albedo * (1.0 - ao), vec3(max(ao, 1e-6)));\n"
 "#endif\n"
 "}\n";
 static const char hbil__glsl_light_hbil_far_light[] =

@@ -226,7 +226,7 @@ void hbil_fill(hbil_receiver r, hbil_fan f, hbil_side s, bool is_back, inout uin
 #if HBIL_MARCH_SAMPLED && !HBIL_REACH_0
         high = mix(low, high, hbil_fade(l2 * inv));
 #endif
-        if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;
+        if (dot(r.n, h) * inv <= HBIL_BIAS) continue;
         int a = hbil_edge(f, s, is_back, low);
         int b = hbil_edge(f, s, is_back, high);
         uint bits = hbil_bits(min(a, b), max(a, b));

@@ -48,7 +48,7 @@ vec3 hbil_multi_bounce(float ao, vec3 albedo) {
     vec3 c = 2.7552 * albedo + 0.6903;
     return clamp(((a * ao + b) * ao + c) * ao, vec3(ao), vec3(1.0)); // the fit passes 1 by 1e-4
 #else
-    return ao / max(1.0 - albedo * (1.0 - ao), max(ao, 1e-6));
+    return ao / max(1.0 - albedo * (1.0 - ao), vec3(max(ao, 1e-6)));
 #endif
 }
 

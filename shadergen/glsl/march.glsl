@@ -172,7 +172,7 @@ void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
 #endif
 #if HBIL_DEFER
     s[0].a = scale * sum.blocked;
-    s[HBIL_AT_BENT].a = scale * max(sum.full, sum.blocked);
+    s[HBIL_AT_BENT].a = scale * sum.full; // rounding may leave it below what is blocked: see hbil_finish
 #elif HBIL_VISIBILITY
 #if !HBIL_COSINE
     float ao = 1.0 - sum.hidden * hbil_mean(sum);

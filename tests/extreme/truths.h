@@ -11,6 +11,13 @@ extern const int extreme_truth_count, extreme_scene_count;
 /* Of what lies between the passes: their expect functions read textures that are TRANSIENT in the plan they get. */
 extern const extreme_case extreme_inside[];
 extern const int extreme_inside_count;
+/* Of what only the CPU shows, counted.c: work, devices that are inexact, histories that are spoiled, what fragments leave inside. */
+extern const extreme_case extreme_counted[];
+extern const int extreme_counted_count;
+/* What a pass of a case may do at most, per pixel of the frame. */
+typedef struct extreme_limit { const char *name, *pass; double reads, writes, roots; } extreme_limit;
+extern const extreme_limit extreme_limits[];
+extern const int extreme_limit_count;
 
 /* What the files of truths share. An output by name; NULL: the plan has none of it. */
 const image *truth_output(const hbil_plan *plan, const image *outputs, const char *name);

@@ -196,7 +196,7 @@ enum { ZOOM = 3 };
 
 /* A plate before a wall, with normals of their own: they turn from column to column, and so does the far light; what leaves them is dark.
  * Frame 1 is seen through a lens three times as long: two of three pixels are holes. */
-static void fill_zoom_at(const hbil_plan *plan, int index, extreme_frame *out, int width, int height)
+static void fill_zoom_at(const hbil_plan *plan, int index, extreme_frame *out, int width, int height, double up)
 {
     const int ortho = plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
     camera c = camera_of(plan, width, height), tele = c;
@@ -215,11 +215,11 @@ static void fill_zoom_at(const hbil_plan *plan, int index, extreme_frame *out, i
     for (y = 0; y < height; ++y)
         for (x = 0; x < width; ++x) {
             const double side = x & 1 ? 0.5 : -0.5, wall[3] = { side, 0, 0.866025404 }, plate[3] = { 0, 0, 1 };
-            double ray[2], z = ortho ? -0.1 : 2;
+            double ray[2], z = ortho ? -0.1 - up : 2;
             int front;
             frames_ray(plan, &out->frame, x + 0.5, y + 0.5, ray);
             front = fabs(ray[0] * (ortho ? 1 : z)) < 0.25;
-            frames_put(plan, out, x, y, front ? z : ortho ? 0.1 : 4, front ? plate : wall);
+            frames_put(plan, out, x, y, front ? z : ortho ? 0.1 - up : 4, front ? plate : wall);
         }
     memset(out->frame.far_sh, 0, sizeof out->frame.far_sh);
     for (k = 0; k < 3; ++k) out->frame.far_sh[0][k] = 2, out->frame.far_sh[3][k] = 1.6f;
@@ -230,8 +230,10 @@ static void fill_zoom_at(const hbil_plan *plan, int index, extreme_frame *out, i
     out->frame.reset = index == 0;
 }
 
-static void fill_zoom(const hbil_plan *plan, int index, extreme_frame *out) { fill_zoom_at(plan, index, out, 48, 40); }
-static void fill_zoom_odd(const hbil_plan *plan, int index, extreme_frame *out) { fill_zoom_at(plan, index, out, 68, 20); }
+static void fill_zoom(const hbil_plan *plan, int index, extreme_frame *out) { fill_zoom_at(plan, index, out, 48, 40, 0); }
+static void fill_zoom_odd(const hbil_plan *plan, int index, extreme_frame *out) { fill_zoom_at(plan, index, out, 68, 20, 0); }
+/* Behind the eye, where an orthographic camera sees as well. */
+static void fill_zoom_behind(const hbil_plan *plan, int index, extreme_frame *out) { fill_zoom_at(plan, index, out, 68, 20, 3); }
 
 /* What the wall or the plate reflects in frame 1 is what one of its pixels got in frame 0, or something between two of these. */
 static int expect_zoom(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
@@ -355,6 +357,8 @@ const extreme_case extreme_inside[] = {
     LAST("outputs=ao+near+far environment=sh far_visibility=ao bounces=recursive reproject=camera slices=1 steps=1 reach=1e-6"),
     { "truth_what_fell_is_known_to_its_levels", "outputs=ao+near+far environment=sh far_visibility=ao bounces=recursive reproject=scatter slices=1 "
       "steps=1 reach=1e-6", 2, fill_zoom_odd, expect_pushed, 0 },
+    { "truth_what_fell_is_known_to_its_levels", "outputs=ao+near+far environment=sh far_visibility=ao bounces=recursive reproject=scatter slices=1 "
+      "steps=1 reach=1e-6 projection=orthographic", 2, fill_zoom_behind, expect_pushed, 0 },
     { "truth_what_is_behind_falls_nowhere", "outputs=ao temporal=yes reproject=scatter slices=1 steps=1", 2, fill_passed, expect_passed, 0 },
     GLARE("outputs=ao+near bounces=recursive near_intensity=4 slices=2"),
     GLARE("outputs=ao+near bounces=recursive near_intensity=2 slices=2"),

@@ -30,22 +30,22 @@ static int         quick;
 
 /* ------------------------------------------------------------------------------------------------------------ the recorded table */
 
-/* guards.md has a row for each guard: | id | guard | without | killed by | how |. exceptions.txt: id, blank, reason; one a line. */
-typedef struct table { char *text, *exceptions; } table;
+/* Text of guards.md, which has a row for each guard: | id | guard | without | killed by | how |. NULL: there is none. */
+static char *table;
 
-static char *read_text(const char *root, const char *name)
+static char *read_table(const char *root)
 {
     char path[1024], ignored[256];
-    snprintf(path, sizeof path, "%s/tests/mutation/%s", root, name);
+    snprintf(path, sizeof path, "%s/tests/mutation/guards.md", root);
     return text_read(path, 1 << 22, "a text", ignored, sizeof ignored);
 }
 
 /* Row of an id; NULL: none. */
-static const char *row_of(const table *t, const char *id)
+static const char *row_of(const char *id)
 {
     char start[128];
     snprintf(start, sizeof start, "| `%s` |", id);
-    return t->text ? strstr(t->text, start) : NULL;
+    return table ? strstr(table, start) : NULL;
 }
 
 /* n-th cell of a row, from 0. */
@@ -55,21 +55,6 @@ static void cell(const char *row, int n, char *out, size_t size)
     for (; n >= 0; --n) from = strstr(from, "| ") + 2;
     end = strstr(from, " |");
     snprintf(out, size, "%.*s", (int)(end - from), from);
-}
-
-static int excepted(const table *t, const char *id, char *reason, size_t size)
-{
-    const char *at = t->exceptions;
-    const size_t n = strlen(id);
-    while (at && *at) {
-        if (strncmp(at, id, n) == 0 && at[n] == ' ') {
-            snprintf(reason, size, "%.*s", (int)strcspn(at + n + 1, "\n"), at + n + 1);
-            return 1;
-        }
-        at = strchr(at, '\n');
-        at = at ? at + 1 : NULL;
-    }
-    return 0;
 }
 
 /* A | in a cell would end it. */
@@ -83,94 +68,65 @@ static void escape(const char *from, char *out, size_t size)
 }
 
 /* Does the table have this guard, as it is now? */
-static int is_known(const table *t, const guard *g)
+static int is_known(const guard *g)
 {
-    const char *row = row_of(t, g->id);
+    const char *row = row_of(g->id);
     char code[700], was[700];
     escape(g->code, code, sizeof code);
     if (row) cell(row, 1, was, sizeof was);
     return row && strncmp(was + 1, code, strlen(code)) == 0 && strlen(was) == strlen(code) + 2;
 }
 
-static int lint_guard(const table *t, const guard *g)
+static int lint(void)
 {
-    char reason[WORDS];
-    if (is_known(t, g) || (!row_of(t, g->id) && excepted(t, g->id, reason, sizeof reason))) return 1;
-    printf("%s, line %d: %s: no test is known to fail without it; run make mutate, add a case to tests/extreme if it survives\n", g->id, g->line,
-           g->code);
-    return 0;
-}
-
-/* Rows and exceptions of guards that are gone. */
-static int lint_rest(const table *t)
-{
+    int i, faults = 0;
     const char *at;
-    int faults = 0, i;
-    char id[128];
-    for (at = t->text; at && (at = strstr(at, "\n| `")) != NULL; ++at) {
+    for (i = 0; i < guards.count; ++i) {
+        const guard *g = &guards.at[i];
+        if (!is_known(g))
+            faults += printf("%s, line %d: %s: no test is known to fail without it; run make mutate, add a case to tests/extreme if it survives\n", g->id,
+                             g->line, g->code) > 0;
+    }
+    for (at = table; at && (at = strstr(at, "\n| `")) != NULL; ++at) {
+        char id[128];
         snprintf(id, sizeof id, "%.*s", (int)strcspn(at + 4, "`"), at + 4);
         for (i = 0; i < guards.count && strcmp(guards.at[i].id, id) != 0; ++i) { }
         if (i == guards.count) faults += printf("%s: in the table, not in the sources: run make mutate\n", id) > 0;
     }
-    for (at = t->exceptions; at && *at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL) {
-        snprintf(id, sizeof id, "%.*s", (int)strcspn(at, " \n"), at);
-        if (*id == '#' || !*id) continue;
-        for (i = 0; i < guards.count && strcmp(guards.at[i].id, id) != 0; ++i) { }
-        if (i == guards.count) faults += printf("%s: an exception, not in the sources: delete its line\n", id) > 0;
-    }
-    return faults;
-}
-
-static int lint(const table *t)
-{
-    int i, kept = 0, open = 0, faults = lint_rest(t);
-    char reason[WORDS];
-    if (!t->text) return printf("no tests/mutation/guards.md: run make mutate\n"), 1;
-    for (i = 0; i < guards.count; ++i) {
-        faults += !lint_guard(t, &guards.at[i]);
-        if (is_known(t, &guards.at[i]) || !excepted(t, guards.at[i].id, reason, sizeof reason)) continue;
-        if (strcmp(reason, "Open.") == 0) ++open;
-        else ++kept;
-    }
-    if (faults == 0) printf("%d guards: %d have a case that fails without them, %d a reason to stay, %d are open\n", guards.count,
-                            guards.count - kept - open, kept, open);
+    if (faults == 0) printf("%d guards: each has a case that fails without it\n", guards.count);
     return faults != 0;
 }
 
-/* Of this run, or as it stands in the table. Returns 1 if there is one. */
-static int write_row(FILE *f, const table *t, const guard *g, const outcome *o)
+/* Of this run, or as it stands in the table. */
+static void write_row(FILE *f, const guard *g, const outcome *o)
 {
     char code[700], without[700], why[700];
-    const char *row = row_of(t, g->id);
-    if (!o->kind && is_known(t, g)) return fprintf(f, "%.*s\n", (int)strcspn(row, "\n"), row) > 0;
-    if (o->kind != 'K') return 0;
+    const char *row = row_of(g->id);
+    if (!o->kind && is_known(g)) fprintf(f, "%.*s\n", (int)strcspn(row, "\n"), row);
+    if (o->kind != 'K') return;
     escape(g->code, code, sizeof code);
     escape(g->without, without, sizeof without);
     escape(o->why, why, sizeof why);
-    return fprintf(f, "| `%s` | `%s` | `%s` | %s | %s |\n", g->id, code, without, o->by, why) > 0;
+    fprintf(f, "| `%s` | `%s` | `%s` | %s | %s |\n", g->id, code, without, o->by, why);
 }
 
-/* Survivors get no row: the lint fails for those that no exception names. */
-static int write_table(const table *t, const options *o)
+/* Survivors get no row, so that the lint fails. */
+static int write_table(const options *o)
 {
-    char path[1024], reason[WORDS], *text = NULL;
+    char path[1024], *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    int i, killed = 0, kept = 0, ok;
+    int i, killed = 0, ok;
     if (!f) return 0;
-    for (i = 0; i < guards.count; ++i) killed += outcomes[i].kind == 'K' || (!outcomes[i].kind && is_known(t, &guards.at[i]));
+    for (i = 0; i < guards.count; ++i) killed += outcomes[i].kind == 'K' || (!outcomes[i].kind && is_known(&guards.at[i]));
     fprintf(f, "# Guards of the shaders, and the test that fails without each\n\nWritten by `make mutate` (hbil-mutate): do not edit. Each guard that is "
                "found in shadergen/glsl is taken out of the emitted text,\nand the cases of tests/extreme run until one fails, on lavapipe, fragments on "
-               "OSMesa. *contract*: an output is not finite or not in its\nrange. *expected*: what the case knows to be true is not. *undefined*: an "
-               "operation that GLSL leaves undefined (checked.c). *ends*: the program\ndoes not end, or crashes.\n\n%d guards; %d killed.\n\n"
+               "OSMesa; *on loose*: on a CPU as inexact as Vulkan\nallows (tests/twin). *contract*: an output is not finite or not in its range. "
+               "*expected*: what the case knows to be true is not. *undefined*: an\noperation that GLSL leaves undefined. *work*: a pass does more than "
+               "the case needs. *ends*: the program does not end, or crashes.\n\n%d guards; %d killed.\n\n"
                "| guard | code | without it | case that fails | how |\n|---|---|---|---|---|\n", guards.count, killed);
     for (i = 0; i < guards.count; ++i)
-        (void)write_row(f, t, &guards.at[i], &outcomes[i]);
-    fprintf(f, "\n## Exceptions\n\nGuards that no test can tell from their absence, and why they stay (exceptions.txt):\n\n");
-    for (i = 0; i < guards.count; ++i)
-        if (outcomes[i].kind != 'K' && !is_known(t, &guards.at[i]) && excepted(t, guards.at[i].id, reason, sizeof reason))
-            kept += fprintf(f, "- %s: `%s`. %s\n", guards.at[i].id, guards.at[i].code, reason) > 0;
-    if (!kept) fprintf(f, "none\n");
+        write_row(f, &guards.at[i], &outcomes[i]);
     fclose(f);
     snprintf(path, sizeof path, "%s/tests/mutation/guards.md", o->root);
     ok = text_write(o->out ? o->out : path, text, error, sizeof error);
@@ -185,7 +141,7 @@ static int kills(int i, const guard *g, outcome *o)
 {
     char ignored[WORDS];
     const int held = trial_run(i, g, o->why, sizeof o->why);
-    snprintf(o->by, sizeof o->by, "%s", trial_case(i)->name);
+    trial_label(i, o->by);
     if (held == 1) o->kind = 'S';
     else if (trial_run(i, NULL, ignored, sizeof ignored) == 1) o->kind = held == 0 ? 'K' : 'E';
     else if (o->kind == 'U') o->kind = 'S';
@@ -203,16 +159,16 @@ static void run_guard(const guard *g, const char *last, outcome *o)
 {
     const int n = trial_count();
     char *done = (char *)calloc((size_t)n, 1);
+    char label[128];
     int round, i, k, tried = 0;
     if (!done) exit(3);
     o->kind = 'U';
     for (round = 0; round < (quick ? 2 : 3); ++round)
         for (i = n - 1; i >= 0; --i) {
-            if (done[i] || (round == 0 && strcmp(last, trial_case(i)->name) != 0) || (round == 1 && !is_first(trial_case(i)))) continue;
-            if (!strstr(trial_case(i)->name, cases) || !trial_has(i, g)) continue;
+            if (done[i] || (round == 0 && strcmp(last, trial_label(i, label)) != 0) || (round == 1 && !is_first(trial_case(i)))) continue;
+            if (!strstr(trial_label(i, label), cases) || !trial_has(i, g)) continue;
             for (k = i; k >= 0; --k) {
-                if (done[k] || strcmp(trial_case(k)->config, trial_case(i)->config) != 0 || (round < 2 && k != i)
-                    || !strstr(trial_case(k)->name, cases)) continue;
+                if (done[k] || trial_group(k) != trial_group(i) || (round < 2 && k != i) || !strstr(trial_label(k, label), cases)) continue;
                 done[k] = 1;
                 ++tried;
                 if (!kills(k, g, o)) continue;
@@ -228,10 +184,10 @@ static void run_baseline(int from, int stride, outcome *o)
 {
     int i, failed = 0;
     for (i = 0; i < trial_count(); ++i) {
-        char why[WORDS];
-        if (trial_group(i) % stride != from || !strstr(trial_case(i)->name, cases) || trial_run(i, NULL, why, sizeof why) == 1) continue;
+        char why[WORDS], label[128];
+        if (trial_group(i) % stride != from || !strstr(trial_label(i, label), cases) || trial_run(i, NULL, why, sizeof why) == 1) continue;
         ++failed;
-        printf("without a mutation: %s, \"%s\": %s\n", trial_case(i)->name, trial_case(i)->config, why);
+        printf("without a mutation: %s, \"%s\": %s\n", label, trial_case(i)->config, why);
         fflush(stdout);
     }
     o->kind = failed ? 'K' : 'S';
@@ -242,7 +198,7 @@ static void run_baseline(int from, int stride, outcome *o)
 
 typedef struct job { pid_t pid; int pipe, index; time_t start; } job;
 
-static int start_job(job *j, int index, const options *o, const table *t)
+static int start_job(job *j, int index, const options *o)
 {
     int ends[2];
     fflush(stdout);
@@ -254,7 +210,7 @@ static int start_job(job *j, int index, const options *o, const table *t)
         close(ends[0]);
         if (o->baseline) run_baseline(index, o->jobs, &result);
         else {
-            const char *row = row_of(t, guards.at[index].id);
+            const char *row = row_of(guards.at[index].id);
             if (row) cell(row, 3, last, sizeof last);
             run_guard(&guards.at[index], last, &result);
         }
@@ -297,33 +253,32 @@ static void report(int index, int done, int all, const options *o)
     fflush(stdout);
 }
 
-static int chosen(int index, const options *o, const table *t)
+static int chosen(int index, const options *o)
 {
-    char reason[WORDS];
-    if (o->open && (is_known(t, &guards.at[index]) || excepted(t, guards.at[index].id, reason, sizeof reason))) return 0;
+    if (o->open && is_known(&guards.at[index])) return 0;
     if (o->only && !strstr(guards.at[index].id, o->only)) return 0;
-    if (o->sample && !is_known(t, &guards.at[index])) return 0;
+    if (o->sample && !is_known(&guards.at[index])) return 0;
     return o->sample == 0 || index % ((guards.count + o->sample - 1) / o->sample) == 0;
 }
 
-static int run_jobs(const options *o, const table *t)
+static int run_jobs(const options *o)
 {
     job jobs[JOBS_MAX];
     int next = 0, done = 0, all = 0, running = 0, i;
     const int count = o->baseline ? o->jobs : guards.count;
     const struct timespec nap = {0, 20000000};
     memset(jobs, 0, sizeof jobs);
-    for (i = 0; i < count; ++i) all += o->baseline || chosen(i, o, t);
+    for (i = 0; i < count; ++i) all += o->baseline || chosen(i, o);
     do {
         for (i = 0; i < o->jobs; ++i) {
             if (jobs[i].pid && end_job(&jobs[i], &outcomes[jobs[i].index])) {
                 --running;
                 report(jobs[i].index, ++done, all, o);
-                if (!o->baseline && !o->sample && done % 10 == 0 && !write_table(t, o)) return 0; /* a run that is stopped leaves what it has */
+                if (!o->baseline && !o->sample && done % 10 == 0 && !write_table(o)) return 0; /* a run that is stopped leaves what it has */
             }
-            while (next < count && !(o->baseline || chosen(next, o, t))) ++next;
+            while (next < count && !(o->baseline || chosen(next, o))) ++next;
             if (jobs[i].pid || next == count) continue;
-            if (!start_job(&jobs[i], next++, o, t)) return snprintf(error, sizeof error, "fork: %s", strerror(errno)), 0;
+            if (!start_job(&jobs[i], next++, o)) return snprintf(error, sizeof error, "fork: %s", strerror(errno)), 0;
             ++running;
         }
         nanosleep(&nap, NULL);
@@ -331,24 +286,17 @@ static int run_jobs(const options *o, const table *t)
     return 1;
 }
 
-static int summary(const options *o, const table *t)
+static int summary(void)
 {
-    int i, killed = 0, kept = 0, open = 0, all = 0;
-    char reason[WORDS];
+    int i, killed = 0, open = 0;
     for (i = 0; i < guards.count; ++i) {
-        const char k = outcomes[i].kind;
-        if (!k) continue;
-        ++all;
-        if (k == 'K') ++killed;
-        else if (excepted(t, guards.at[i].id, reason, sizeof reason)) ++kept;
-        else if (++open == 1) printf("\nno test fails without:\n");
-        if (k != 'K' && !excepted(t, guards.at[i].id, reason, sizeof reason))
-            printf("  %s line %d: %s -> %s (%s)\n", guards.at[i].id, guards.at[i].line, guards.at[i].code, guards.at[i].without, outcomes[i].by);
-        if (k == 'K' && excepted(t, guards.at[i].id, reason, sizeof reason))
-            printf("  %s is killed: delete its line in exceptions.txt\n", guards.at[i].id), ++open;
+        const guard *g = &guards.at[i];
+        if (outcomes[i].kind == 'K') ++killed;
+        if (!outcomes[i].kind || outcomes[i].kind == 'K') continue;
+        if (++open == 1) printf("\nno test fails without:\n");
+        printf("  %s line %d: %s -> %s (%s)\n", g->id, g->line, g->code, g->without, outcomes[i].by);
     }
-    printf("%d guards taken out: %d killed, %d excepted, %d open\n", all, killed, kept, open);
-    (void)o;
+    printf("%d guards taken out: %d killed, %d open\n", killed + open, killed, open);
     return open != 0;
 }
 
@@ -361,7 +309,7 @@ static const char help[] =
     "  --sample N      at most N of those that have a row in the table, evenly from all\n"
     "  --open          only guards that the table does not have\n"
     "  --quick         only the hazards and the cases with a truth of their own\n"
-    "  --lint          only compare the sources with the table: every guard has a row or an exception\n"
+    "  --lint          only compare the sources with the table: every guard has a row\n"
     "  --baseline      only run all cases with all guards in place\n"
     "  --jobs N        at once; default: the number of processors\n"
     "  --root DIR      the repository; default: .\n"
@@ -396,8 +344,7 @@ static int parse(int argc, char **argv, options *o)
 int main(int argc, char **argv)
 {
     options o;
-    table t;
-    char folder[1024];
+    char folder[1024], label[128];
     int i, run, open;
     memset(&o, 0, sizeof o);
     setenv("LP_NUM_THREADS", "0", 0); /* the jobs are what runs side by side */
@@ -406,24 +353,23 @@ int main(int argc, char **argv)
     if (!parse(argc, argv, &o)) return 2;
     snprintf(folder, sizeof folder, "%s/shadergen/glsl", o.root);
     if (!guards_read(folder, &guards, error, sizeof error)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
-    t.text = read_text(o.root, "guards.md");
-    t.exceptions = read_text(o.root, "exceptions.txt");
+    table = read_table(o.root);
     if (o.list) {
         for (i = 0; i < guards.count; ++i)
-            if (chosen(i, &o, &t)) printf("%s line %d: %s -> %s\n", guards.at[i].id, guards.at[i].line, guards.at[i].code, guards.at[i].without);
+            if (chosen(i, &o)) printf("%s line %d: %s -> %s\n", guards.at[i].id, guards.at[i].line, guards.at[i].code, guards.at[i].without);
         return 0;
     }
-    if (o.lint) return lint(&t);
+    if (o.lint) return lint();
     outcomes = (outcome *)calloc((size_t)guards.count + JOBS_MAX, sizeof *outcomes);
-    if (!outcomes || !trial_prepare(error, sizeof error) || !run_jobs(&o, &t)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
+    if (!outcomes || !trial_prepare(error, sizeof error) || !run_jobs(&o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
     if (o.baseline) {
         for (i = 0, open = 0; i < o.jobs; ++i) open += outcomes[i].kind != 'S';
-        for (i = 0, run = 0; i < trial_count(); ++i) run += strstr(trial_case(i)->name, cases) != NULL;
+        for (i = 0, run = 0; i < trial_count(); ++i) run += strstr(trial_label(i, label), cases) != NULL;
         if (!run) return fprintf(stderr, "hbil-mutate: no case has %s in its name; tests/extreme lists them\n", cases), 2;
         printf("%d cases; %s\n", run, open ? "some fail with all guards in place" : "all hold with all guards in place");
         return open != 0;
     }
-    open = summary(&o, &t);
-    if (!o.sample && !write_table(&t, &o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
+    open = summary();
+    if (!o.sample && !write_table(&o)) return fprintf(stderr, "hbil-mutate: %s\n", error), 3;
     return open;
 }

@@ -1,4 +1,5 @@
-/* trial.c - the contract, what a case expects, and no undefined operation: on lavapipe with checked text, fragments on GL with their own. */
+/* trial.c - the contract, what a case expects, and no undefined operation: on lavapipe with checked text, fragments on GL with their own,
+ * on the CPU (tests/twin, loose) what only that shows. */
 #define HBIL_IMPLEMENTATION
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +11,7 @@
 #include "../extreme/truths.h"
 #include "../extreme/contract.h"
 #include "../../examples/frame/runner.h"
+#include "../twin/twin.h"
 
 static const guard *removed; /* from the texts that the runners ask for */
 
@@ -20,8 +22,17 @@ typedef struct variant {
     char       *texts[HBIL_MAX_PASSES];
 } variant;
 
-static variant **variants; /* by case; cases of the same config share one */
-static int      *order, *groups; /* cases of one config after each other; number of the config */
+enum { ON_VULKAN, ON_GL, ON_LOOSE, DEVICES_ALL };
+
+/* A case, where it runs, and what it shares with the others of its config. */
+typedef struct entry {
+    const extreme_case *c;
+    int                 device, group;
+    variant            *variant;
+} entry;
+
+static entry *entries;
+static int    entry_count;
 
 /* Far light of environment=hook that no engine should return. */
 static const char hook[] =
@@ -34,25 +45,25 @@ static const char hook[] =
 /* All that there are, one after the other. */
 static const struct { const extreme_case *cases; const int *count; } sources[] = {
     { extreme_cases, &extreme_case_count }, { extreme_truths, &extreme_truth_count }, { extreme_scenes, &extreme_scene_count },
-    { extreme_inside, &extreme_inside_count },
+    { extreme_inside, &extreme_inside_count }, { extreme_counted, &extreme_counted_count },
 };
 enum { SOURCES = sizeof sources / sizeof *sources };
 
-int trial_count(void)
-{
-    int i, n = 0;
-    for (i = 0; i < SOURCES; ++i) n += *sources[i].count;
-    return n;
-}
-
-const extreme_case *trial_case(int at)
-{
-    int i, index = order[at];
-    for (i = 0; index >= *sources[i].count; ++i) index -= *sources[i].count;
-    return &sources[i].cases[index];
-}
+/* Cases of tests/extreme that kill on "loose" what lavapipe forgives. */
+static const char *const loose_too[] = { "checkerboard_depth", "depth_zero", "normal_zero", "size_1x1", "H5_cone_of_what_is_wholly_hidden",
+                                         "H24_light_dies_out" };
 
 static int draws(const extreme_case *c) { return strstr(c->config, "stage=fragment") != NULL; }
+
+int trial_count(void) { return entry_count; }
+const extreme_case *trial_case(int index) { return entries[index].c; }
+int trial_group(int index) { return entries[index].group; }
+
+const char *trial_label(int index, char out[128])
+{
+    snprintf(out, 128, "%s%s", entries[index].c->name, entries[index].device == ON_LOOSE ? " on loose" : "");
+    return out;
+}
 
 static void *need(void *p)
 {
@@ -72,17 +83,15 @@ static void show_inside(hbil_plan *plan)
     }
 }
 
-static variant *variant_of(const extreme_case *c, char *error, size_t size)
+static variant *variant_of(const extreme_case *c, int device, char *error, size_t size)
 {
     variant *v = (variant *)need(calloc(1, sizeof *v));
     uint32_t p;
     v->config = c->config;
     if (!extreme_plan(c, draws(c) ? "gl" : "vulkan", &v->plan, error, size)) return NULL;
     v->checked = v->plan;
-    if (!draws(c)) {
-        checked_plan(&v->plan, &v->checked);
-        show_inside(&v->checked);
-    }
+    if (device == ON_VULKAN) checked_plan(&v->plan, &v->checked);
+    if (device != ON_GL) show_inside(&v->checked);
     for (p = 0; p < v->plan.pass_count; ++p) {
         v->texts[p] = (char *)need(malloc(HBIL_GLSL_MAX + sizeof hook));
         if (hbil_emit_glsl_hook(&v->plan, (int32_t)p, hook, v->texts[p], HBIL_GLSL_MAX + sizeof hook, NULL, NULL) != HBIL_OK) {
@@ -93,38 +102,60 @@ static variant *variant_of(const extreme_case *c, char *error, size_t size)
     return v;
 }
 
+static void list(const extreme_case *c, int device)
+{
+    entries[entry_count].c = c;
+    entries[entry_count++].device = device;
+}
+
+/* All cases, in the order of their tables. */
+static void list_all(void)
+{
+    int i, k, n = 0;
+    size_t l;
+    for (i = 0; i < SOURCES; ++i) n += *sources[i].count;
+    entries = (entry *)need(calloc(2 * (size_t)n, sizeof *entries));
+    for (i = 0; i < SOURCES; ++i)
+        for (k = 0; k < *sources[i].count; ++k) {
+            const extreme_case *c = &sources[i].cases[k];
+            list(c, c->flags & EXTREME_TWIN ? ON_LOOSE : draws(c) ? ON_GL : ON_VULKAN);
+            for (l = 0; l < sizeof loose_too / sizeof *loose_too; ++l)
+                if (strcmp(c->name, loose_too[l]) == 0) list(c, ON_LOOSE);
+        }
+}
+
+/* Those of one config and device after each other: they share a variant. */
 int trial_prepare(char *error, size_t size)
 {
+    entry *from;
+    char *placed;
     int i, k, n = 0, count = 0;
-    const size_t room = (size_t)trial_count();
-    char *placed = (char *)need(calloc(room, 1));
-    variants = (variant **)need(calloc(room, sizeof *variants));
-    order = (int *)need(calloc(room, sizeof *order));
-    groups = (int *)need(calloc(room, sizeof *groups));
-    for (i = 0; i < trial_count(); ++i) {
+    list_all();
+    from = entries;
+    placed = (char *)need(calloc((size_t)entry_count, 1));
+    entries = (entry *)need(calloc((size_t)entry_count, sizeof *entries));
+    for (i = 0; i < entry_count; ++i) {
         const int first = n;
         if (placed[i]) continue;
-        for (k = i; k < trial_count(); ++k) {
-            if (placed[k]) continue;
-            order[n] = k;
-            if (k > i && strcmp(trial_case(n)->config, trial_case(first)->config) != 0) continue;
+        for (k = i; k < entry_count; ++k) {
+            if (placed[k] || from[k].device != from[i].device || strcmp(from[k].c->config, from[i].c->config) != 0) continue;
             placed[k] = 1;
-            groups[n] = count;
-            variants[n] = n > first ? variants[first] : variant_of(trial_case(n), error, size);
-            if (!variants[n++]) return 0;
+            entries[n] = from[k];
+            entries[n].group = count;
+            entries[n].variant = n > first ? entries[first].variant : variant_of(from[k].c, from[k].device, error, size);
+            if (!entries[n++].variant) return 0;
         }
         ++count;
     }
     free(placed);
+    free(from);
     return 1;
 }
-
-int trial_group(int index) { return groups[index]; }
 
 int trial_has(int index, const guard *g)
 {
     static char out[HBIL_GLSL_MAX + 4096];
-    const variant *v = variants[index];
+    const variant *v = entries[index].variant;
     uint32_t p;
     for (p = 0; p < v->plan.pass_count; ++p)
         if (guard_remove(g, v->texts[p], out)) return 1;
@@ -152,28 +183,73 @@ hbil_result mutation_emit(const hbil_plan *plan, int32_t pass, const char *hook_
 
 /* ------------------------------------------------------------------------------------------------------------------------ runs */
 
-static runner *open_for(const extreme_case *c, char *why, size_t size)
+static runner *runners[DEVICES_ALL];
+static twin   *loose;
+
+/* The device of a case, with texts that lack `removed`: pipelines are made anew when it has changed. */
+static int open_for(int device, const guard *g, char *why, size_t size)
 {
-    static runner *runners[2];
-    runner **r = &runners[draws(c)];
-    if (!*r) *r = runner_open(draws(c) ? "gl" : "vulkan", 0, why, size);
-    if (*r && !runner_hook(*r, hook)) return NULL;
-    return *r;
+    const char *id = g ? g->id : "-"; /* a text of no pass */
+    const int same = removed == g;
+    removed = g;
+    if (device == ON_LOOSE) {
+        if (!loose) loose = (twin *)need(twin_open(TWIN_FLOAT, TWIN_STICKY | TWIN_LOOSE));
+        return twin_hook(loose, hook) && (same || twin_text(loose, "-", id));
+    }
+    if (!runners[device]) runners[device] = runner_open(device == ON_GL ? "gl" : "vulkan", 0, why, size);
+    return runners[device] && runner_hook(runners[device], hook) && (same || runner_text(runners[device], "-", id));
 }
 
-static int judge(const extreme_case *c, const variant *v, int index, const extreme_frame *x, const image *out, char *why, size_t size)
+static int execute(const entry *e, int index, const extreme_frame *x, image *out, char *why, size_t size)
+{
+    const hbil_plan *plan = &e->variant->checked;
+    uint32_t t;
+    if (e->device != ON_LOOSE) return runner_run(runners[e->device], plan, &x->frame, x->inputs, out, 1, NULL, why, size);
+    for (t = 0; t < plan->texture_count && index > 0 && e->c->flags & EXTREME_SPOILED; ++t)
+        if (plan->textures[t].life == HBIL_LIFE_HISTORY && (index == 2 || strcmp(plan->textures[t].name, "seen") != 0)) twin_spoil(loose, (int32_t)t);
+    twin_forgive(loose);
+    return twin_run(loose, plan, &x->frame, x->inputs, out, why, size);
+}
+
+/* Work of the passes against the limits of a case. */
+static int is_cheap(const entry *e, const extreme_frame *x, char *why, size_t size)
+{
+    const double pixels = (double)x->frame.width * (double)x->frame.height;
+    const hbil_plan *plan = &e->variant->plan;
+    int i;
+    uint32_t p;
+    for (i = 0; i < extreme_limit_count; ++i)
+        for (p = 0; p < plan->pass_count && strcmp(extreme_limits[i].name, e->c->name) == 0; ++p) {
+            const extreme_limit *l = &extreme_limits[i];
+            const twin_counts n = twin_counted(loose, p);
+            const double reads = (double)n.reads / pixels, writes = (double)n.writes / pixels, roots = (double)n.roots / pixels;
+            if (strcmp(plan->passes[p].name, l->pass) != 0 || (reads <= l->reads && writes <= l->writes && roots <= l->roots)) continue;
+            snprintf(why, size, "pass %s: %.4g reads, %.4g writes, %.4g roots per pixel, at most %g, %g and %g", l->pass, reads, writes, roots, l->reads,
+                     l->writes, l->roots);
+            return 0;
+        }
+    return 1;
+}
+
+static int judge(const entry *e, int index, const extreme_frame *x, const image *out, char *why, size_t size)
 {
     char what[400];
     const char *kind = "contract";
+    const variant *v = e->variant;
     const uint32_t faults = v->plan.texture_count;
     int ok = contract_holds(&v->plan, &x->frame, x->inputs, out, what, sizeof what);
-    if (ok && c->expect) {
+    if (ok && e->c->expect && !(e->device == ON_LOOSE && e->c->flags & EXTREME_EXACT)) {
         kind = "expected";
-        ok = c->expect(&v->plan, index, x, out, what, sizeof what);
+        ok = e->c->expect(&v->plan, index, x, out, what, sizeof what);
     }
-    if (ok && v->checked.texture_count > faults) {
+    if (ok) {
         kind = "undefined";
-        ok = checked_holds(&v->checked, &out[faults], what, sizeof what);
+        if (e->device == ON_LOOSE) ok = twin_faultless(loose, what, sizeof what);
+        else if (v->checked.texture_count > faults) ok = checked_holds(&v->checked, &out[faults], what, sizeof what);
+    }
+    if (ok && e->device == ON_LOOSE) {
+        kind = "work";
+        ok = is_cheap(e, x, what, sizeof what);
     }
     if (!ok) snprintf(why, size, "%s: frame %d: %s", kind, index, what);
     return ok;
@@ -181,20 +257,17 @@ static int judge(const extreme_case *c, const variant *v, int index, const extre
 
 int trial_run(int index, const guard *g, char *why, size_t size)
 {
-    const extreme_case *c = trial_case(index);
-    const variant *v = variants[index];
-    runner *r = open_for(c, why, size);
-    int i, k, ok = r ? 1 : -1;
-    if (ok == 1 && removed != g && !runner_text(r, "-", g ? g->id : "-")) return -1; /* of no pass: pipelines are made anew */
-    removed = g;
-    if (c->flags & (EXTREME_REFUSED | EXTREME_LONG)) return 1;
-    for (i = 0; i < c->frames && ok == 1; ++i) {
+    const entry *e = &entries[index];
+    int i, k, ok = 1;
+    if (e->c->flags & (EXTREME_REFUSED | EXTREME_LONG)) return 1;
+    if (!open_for(e->device, g, why, size)) return -1;
+    for (i = 0; i < e->c->frames && ok == 1; ++i) {
         image out[HBIL_MAX_TEXTURES];
         extreme_frame *x = (extreme_frame *)need(calloc(1, sizeof *x));
         memset(out, 0, sizeof out);
-        c->fill(&v->plan, i, x);
-        ok = runner_run(r, &v->checked, &x->frame, x->inputs, out, 1, NULL, why, size) ? 1 : -1;
-        if (ok == 1) ok = judge(c, v, i, x, out, why, size);
+        e->c->fill(&e->variant->plan, i, x);
+        ok = execute(e, i, x, out, why, size) ? 1 : -1;
+        if (ok == 1) ok = judge(e, i, x, out, why, size);
         for (k = 0; k < HBIL_MAX_TEXTURES; ++k) image_free(&out[k]);
         extreme_free(x);
         free(x);

@@ -5,10 +5,12 @@
 #include "../extreme/cases.h"
 #include "guards.h"
 
-/* All cases: those of tests/extreme, and truths.c. */
+/* All cases: those of tests/extreme, some of them twice, and the truths. */
 int                 trial_count(void);
 const extreme_case *trial_case(int index);
-/* Cases of one config have the same number, and stand together. */
+/* Its name in the table, which says if it runs on "loose": 128 characters. */
+const char         *trial_label(int index, char out[128]);
+/* Cases of one config and device have the same number, and stand together. */
 int                 trial_group(int index);
 /* Plans and texts of all cases, once. 1, or 0: error[] says which config is at fault. */
 int                 trial_prepare(char *error, size_t size);

@@ -66,30 +66,31 @@ struct real {
 };
 
 /* GLSL_LOOSE: results are as bad as Vulkan lets them be. Denormals are 0; functions are off by as many units in the last place as the
- * specification has in its table of precision, up or down by chance (the same for the same result). */
+ * specification has in its table of precision, up or down by chance (the same for the same operands). */
 #if GLSL_LOOSE
 GLSL constexpr number flushed(number v) { return v < 0x1p-126f && v > -0x1p-126f ? v * 0 : v; }
-GLSL constexpr int thrown(number v)
+GLSL constexpr uint32_t bits_of(number v) { return __builtin_bit_cast(uint32_t, (float)v); }
+GLSL constexpr int thrown(number a, number b = 0)
 {
-    const uint32_t bits = __builtin_bit_cast(uint32_t, (float)v) * 0x9e3779b9u;
+    const uint32_t bits = (bits_of(a) ^ bits_of(b) * 0x85ebca6bu) * 0x9e3779b9u;
     return (int)(bits >> 20 & 7) < 3 ? -1 : (int)(bits >> 20 & 7) > 4; /* -1, 0, 1 */
 }
-GLSL constexpr number off_by(number v, int ulps)
+GLSL constexpr number off_by(number v, int ulps, number a, number b = 0)
 {
     v = flushed(v);
     if (v - v != 0 || v == 0) return v;
-    return flushed((number)__builtin_bit_cast(float, __builtin_bit_cast(uint32_t, (float)v) + (uint32_t)(ulps * thrown(v))));
+    return flushed((number)__builtin_bit_cast(float, bits_of(v) + (uint32_t)(ulps * thrown(a, b))));
 }
 #else
 GLSL constexpr number flushed(number v) { return v; }
 GLSL constexpr int thrown(number) { return 0; }
-GLSL constexpr number off_by(number v, int) { return v; }
+GLSL constexpr number off_by(number v, int, number, number = 0) { return v; }
 #endif
 
 GLSL constexpr number divided(number a, number b)
 {
     if (b == 0) fault(TWIN_DIVISION, "division by zero", 0, 0, 0);
-    return off_by(a / b, 2);
+    return off_by(a / b, 2, a, b);
 }
 
 GLSL constexpr real operator+(real a, real b) { a.v = flushed(a.v + b.v); return a; }
@@ -108,8 +109,8 @@ GLSL constexpr bool operator>=(real a, real b) { return a.v >= b.v; }
 GLSL constexpr bool operator==(real a, real b) { return a.v == b.v; }
 GLSL constexpr bool operator!=(real a, real b) { return a.v != b.v; }
 
-GLSL real root(real x) { x.v = (number)::sqrt(x.v); return x; }
-GLSL real sqrt(real x) { x.v = off_by(root(x).v, 4); return x; } /* 1 / inversesqrt(x) */
+GLSL real root(real x) { ++state->counts->roots; x.v = (number)::sqrt(x.v); return x; }
+GLSL real sqrt(real x) { x.v = off_by(root(x).v, 4, x.v); return x; } /* 1 / inversesqrt(x) */
 #if GLSL_DOUBLE
 #define GLSL_CALL(name) ::name
 #else
@@ -118,19 +119,19 @@ GLSL real sqrt(real x) { x.v = off_by(root(x).v, 4); return x; } /* 1 / inverses
 #define GLSL_FUNCTION(name) GLSL real name(real x) { x.v = GLSL_CALL(name)(x.v); return x; }
 GLSL_FUNCTION(floor) GLSL_FUNCTION(rint)
 GLSL real roundEven(real x) { return rint(x); }
-GLSL real sin(real x) { x.v = GLSL_CALL(sin)(x.v); x.v += (number)0x1p-11 * thrown(x.v); return x; }
-GLSL real cos(real x) { x.v = GLSL_CALL(cos)(x.v); x.v += (number)0x1p-11 * thrown(x.v); return x; }
-GLSL real exp2(real x) { x.v = off_by(GLSL_CALL(exp2)(x.v), 3 + (int)(2 * fmin(fabs((double)x.v), 500))); return x; }
+GLSL real sin(real x) { return real(GLSL_CALL(sin)(x.v) + (number)0x1p-11 * thrown(x.v)); }
+GLSL real cos(real x) { return real(GLSL_CALL(cos)(x.v) + (number)0x1p-11 * thrown(x.v)); }
+GLSL real exp2(real x) { x.v = off_by(GLSL_CALL(exp2)(x.v), 3 + (int)(2 * fmin(fabs((double)x.v), 500)), x.v); return x; }
 GLSL real log2(real x)
 {
     const number exact = GLSL_CALL(log2)(x.v);
-    x.v = x.v >= (number)0.5 && x.v <= 2 ? exact + (number)0x1p-21 * thrown(x.v) : off_by(exact, 3);
+    x.v = x.v >= (number)0.5 && x.v <= 2 ? exact + (number)0x1p-21 * thrown(x.v) : off_by(exact, 3, x.v);
     return x;
 }
-GLSL real inversesqrt(real x) { x.v = off_by((number)1 / root(x).v, 2); return x; }
+GLSL real inversesqrt(real x) { x.v = off_by((number)1 / root(x).v, 2, x.v); return x; }
 GLSL real abs(real x) { x.v = GLSL_CALL(fabs)(x.v); return x; }
 GLSL real fract(real x) { return x - floor(x); }
-GLSL real atan(real y, real x) { y.v = off_by(GLSL_CALL(atan2)(y.v, x.v), 4096); return y; }
+GLSL real atan(real y, real x) { y.v = off_by(GLSL_CALL(atan2)(y.v, x.v), 4096, y.v, x.v); return y; }
 /* NaN as GLSL words it: the first operand, unless the other one is less. GLSL_STICKY: NaN wherever one is, as other devices may. */
 GLSL real min(real a, real b)
 {
@@ -457,6 +458,7 @@ inline long texel_at(const twin_texture *t, int kind, int x, int y, int z)
 inline long texel_to_read(const twin_texture *t, int x, int y, int z, int level)
 {
     long i = texel_at(t, TWIN_FETCH, x, y, z);
+    ++state->counts->reads;
     if (level != 0) fault(TWIN_FETCH, "level other than 0", level, 0, 0);
     if (i >= 0 && !t->written[i]) fault(TWIN_UNWRITTEN, t->name, x, y, z);
     return i;
@@ -475,6 +477,7 @@ GLSL uvec4 fetch_uint(const twin_texture *t, int x, int y, int z, int level)
 }
 inline void put(twin_texture *t, int x, int y, int z, const vec4 &v)
 {
+    ++state->counts->writes;
     const long i = texel_at(t, TWIN_STORE, x, y, z);
     if (i < 0) return;
     real *c = (real *)t->texels + i * t->channels;
@@ -483,6 +486,7 @@ inline void put(twin_texture *t, int x, int y, int z, const vec4 &v)
 }
 inline void put(twin_texture *t, int x, int y, int z, const uvec4 &v)
 {
+    ++state->counts->writes;
     const long i = texel_at(t, TWIN_STORE, x, y, z);
     if (i < 0) return;
     ((uint *)t->texels)[i] = v.x;

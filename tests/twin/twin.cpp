@@ -18,14 +18,10 @@
 
 /* TWIN_COMPILER, TWIN_SOURCES (folder of glsl.hpp), TWIN_CACHE (folder of the libraries): from CMake. */
 
-namespace {
-
 struct texture {
     twin_texture               shared{};
     std::vector<unsigned char> texels, written;
 };
-
-} // namespace
 
 struct twin {
     int                  precision = 0, flags = 0;
@@ -40,6 +36,7 @@ struct twin {
     uint32_t             frames = 0;
     std::vector<double>  outputs[HBIL_MAX_TEXTURES];
     twin_faults          faults{};
+    twin_counts          counts[HBIL_MAX_PASSES]{};
 };
 
 namespace {
@@ -332,7 +329,10 @@ bool get_outputs(twin *t, const uint32_t size[2], image *outputs, char *error, s
         const hbil_texture &of = t->plan.textures[i];
         if (of.life != HBIL_LIFE_OUTPUT) continue;
         const texture &x = t->textures[i][0];
-        const int channels = x.shared.channels, width = (int)size[0], height = (int)size[1];
+        const int channels = x.shared.channels ? x.shared.channels : 1;
+        uint32_t extent[2];
+        hbil_plan_extent(&t->plan, (int32_t)i, size[0], size[1], extent);
+        const int width = (int)extent[0], height = (int)extent[1];
         if (!image_make_slices(&outputs[i], width, height, of.layers, channels)) return fail(error, error_size, "out of memory");
         if (of.dim == HBIL_DIM_2D) outputs[i].depth = 0;
         t->outputs[i].clear();
@@ -340,8 +340,10 @@ bool get_outputs(twin *t, const uint32_t size[2], image *outputs, char *error, s
             for (int y = 0; y < height; ++y)
                 for (int k = 0; k < width * channels; ++k) {
                     const size_t from = ((size_t)z * (size_t)x.shared.height + (size_t)y) * (size_t)(x.shared.width * channels) + (size_t)k;
-                    outputs[i].data[t->outputs[i].size()] = (float)texel_get(t, x, from);
-                    t->outputs[i].push_back(texel_get(t, x, from));
+                    float &to = outputs[i].data[t->outputs[i].size()];
+                    if (x.shared.channels == 0) std::memcpy(&to, &x.texels[4 * from], sizeof to); /* whole numbers: their bits */
+                    else to = (float)texel_get(t, x, from);
+                    t->outputs[i].push_back(x.shared.channels == 0 ? (double)to : texel_get(t, x, from));
                 }
     }
     return true;
@@ -351,13 +353,14 @@ void run_pass(twin *t, uint32_t index, const hbil_dispatch &grid, const unsigned
 {
     const hbil_pass &pass = t->plan.passes[index];
     twin_texture *bindings[HBIL_MAX_BINDINGS] = {};
-    twin_state state = {&t->faults, pass.name, {0, 0}};
+    twin_state state = {&t->faults, &t->counts[index], pass.name, {0, 0}};
     twin_work work = {{(int)grid.groups[0], (int)grid.groups[1]}, bindings, block};
     for (uint32_t b = 0; b < pass.binding_count; ++b) {
         auto &copies = t->textures[pass.bindings[b].texture];
         const uint32_t n = (uint32_t)copies.size();
         bindings[b] = &copies[(t->frames % n + n - pass.bindings[b].age) % n].shared;
     }
+    t->counts[index] = twin_counts();
     t->passes[index](&state, &work);
 }
 
@@ -453,6 +456,7 @@ const double *twin_output(const twin *t, int32_t texture)
     return texture < 0 || t->outputs[texture].empty() ? nullptr : t->outputs[texture].data();
 }
 
+twin_counts twin_counted(const twin *t, uint32_t pass) { return t->counts[pass]; }
 const twin_faults *twin_faulted(const twin *t) { return &t->faults; }
 void twin_forgive(twin *t) { t->faults = twin_faults(); }
 

@@ -36,7 +36,9 @@ int   twin_run(twin *t, const hbil_plan *plan, const hbil_frame *frame, const im
 void  twin_spoil(twin *t, int32_t texture);
 /* Outputs of the last run before they were rounded to float, in the layout of its images; NULL: none. */
 const double *twin_output(const twin *t, int32_t texture);
-/* What has been counted since twin_open or the last twin_forgive. */
+/* Work of a pass in the last run. */
+twin_counts twin_counted(const twin *t, uint32_t pass);
+/* Faults since twin_open or the last twin_forgive. */
 const twin_faults *twin_faulted(const twin *t);
 void  twin_forgive(twin *t);
 /* 1: nothing has been counted; 0: why[] names the first of each kind. */

@@ -19,8 +19,12 @@ typedef struct twin_texture {
     unsigned char *written;                 /* per texel: 1 since it was written */
 } twin_texture;
 
+/* Work of a pass: texels read and written, an atomic operation is one of each; square roots, also inverse ones. */
+typedef struct twin_counts { unsigned long reads, writes, roots; } twin_counts;
+
 typedef struct twin_state {
     twin_faults *faults;
+    twin_counts *counts;
     const char  *pass;
     int          at[2];                     /* invocation */
 } twin_state;
