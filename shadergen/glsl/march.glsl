@@ -194,7 +194,7 @@ void hbil_store(hbil_sums sum, out vec4 s[HBIL_LAYERS]) {
     s[HBIL_AT_FAR].a = sum.uniform_open * hbil_mean(sum);
 #endif
 #if HBIL_FAR_BITS
-    s[HBIL_AT_FAR].rgb = HBIL_FAR_INTENSITY * hbil_finite(scale * sum.far);
+    s[HBIL_AT_FAR].rgb = hbil_finite(scale * sum.far);
 #endif
 #if HBIL_OUTPUTS_SH
     hbil_store_sh(sum, scale, s);

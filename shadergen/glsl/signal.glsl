@@ -100,7 +100,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     s[0] *= scale;
     s[0].a = 1.0 - s[0].a;
 #if HBIL_FAR_BITS
-    s[HBIL_AT_FAR].rgb *= scale;
+    s[HBIL_AT_FAR].rgb = hbil_finite(scale * s[HBIL_AT_FAR].rgb); // scale: a thousand where the surface is seen edge-on
 #endif
 #if HBIL_OUTPUTS_SH
     for (int i = 1; i < 4; ++i) s[HBIL_AT_SH + i] *= scale;
@@ -143,7 +143,7 @@ void hbil_finish(ivec2 p, vec4 s[HBIL_LAYERS]) {
     hbil_store_sh_at(p, s[HBIL_AT_SH], fit * a, fit * b, fit * c);
 #endif
 #if HBIL_FAR_BITS
-    vec3 far = s[HBIL_AT_FAR].rgb;
+    vec3 far = HBIL_FAR_INTENSITY * s[HBIL_AT_FAR].rgb;
 #if !HBIL_F0_NONE
     far *= hbil_diffuse(p);
 #endif

@@ -8,7 +8,7 @@
 typedef struct device device;
 
 /* Their names. twin: the shaders' text compiled for the CPU, where min and max of NaN give NaN. loose: the same, as inaccurate as Vulkan's
- * table of precision allows, denormals flushed. */
+ * table of precision allows, denormals flushed, products fused with sums where the processor can. */
 #define DEVICES "vulkan, gl, gles, twin or loose"
 int         device_known(const char *name);
 /* NULL: error[] says what is missing. */

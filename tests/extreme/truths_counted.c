@@ -275,6 +275,19 @@ static int expect_black(const hbil_plan *plan, int index, const extreme_frame *f
     return 1;
 }
 
+/* Under a sky brighter than any light may be, normals that are across the view and most slices. */
+static void fill_edge_on(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int p, k;
+    fill_wall(plan, index, out);
+    for (p = 0; p < TEXELS; ++p) {
+        const double a = 6.2831853 * (double)frames_random((uint32_t)p, 3);
+        set_normal(plan, out, p, cos(a), sin(a), 0.02);
+    }
+    memset(out->frame.far_sh, 0, sizeof out->frame.far_sh);
+    for (k = 0; k < 3; ++k) out->frame.far_sh[0][k] = 1e7f;
+}
+
 /* ------------------------------------------------------------------------------------------------------------ lobes and cones */
 
 /* Seen at 60 degrees, with lobes of all widths that only just touch the horizon. */
@@ -393,6 +406,8 @@ const extreme_case extreme_counted[] = {
     { "truth_holes_light_nobody_above", "outputs=ao+near sampling=bilinear slices=8 steps=32", 1, fill_holes, expect_holes, 0 },
     { "truth_behind_a_gap_the_nearest_shines", "outputs=ao+near sampling=bilinear slices=8 steps=3", 1, fill_gap, expect_gap, 0 },
     { "truth_black_surfaces_bounce_nothing", "outputs=ao+multi_bounce slices=2", 1, fill_black, expect_black, 0 },
+    { "truth_far_light_is_no_brighter_edge_on", "outputs=ao+far estimator=bitmask environment=sh far_visibility=free_bits filter=3x3 slices=1 steps=1", 1,
+      fill_edge_on, NULL, 0 },
     { "truth_poles_hide_little", "outputs=ao occluder=heuristic decay=0.5 slices=8 steps=16", 1, fill_pole, expect_pole, 0 },
     { "truth_thick_walls_fade_as_solid_ones", "outputs=ao estimator=bitmask occluder=thick thickness=100 reach=2 falloff=1 slices=8 steps=32", 1, fill_step,
       expect_step, 0 },

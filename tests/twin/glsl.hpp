@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <ucontext.h>
+#ifdef __FMA__
+#include <xmmintrin.h>
+#endif
 
 #include "twin_abi.h"
 
@@ -66,9 +69,20 @@ struct real {
 };
 
 /* GLSL_LOOSE: results are as bad as Vulkan lets them be. Denormals are 0; functions are off by as many units in the last place as the
- * specification has in its table of precision, up or down by chance (the same for the same operands). */
+ * specification has in its table of precision, up or down by chance (the same for the same operands). Where the processor can, products are
+ * fused with sums, and it is what flushes: a test would keep the two apart. */
+#if GLSL_LOOSE && defined(__FMA__)
+struct flushing {
+    const unsigned before = _mm_getcsr();
+    flushing() { _mm_setcsr(before | 0x8040); } /* flush to zero, denormals are zero */
+    ~flushing() { _mm_setcsr(before); }
+};
+GLSL constexpr number flushed(number v) { return v; }
+#else
+struct flushing {};
+GLSL constexpr number flushed(number v) { return GLSL_LOOSE && v < 0x1p-126f && v > -0x1p-126f ? v * 0 : v; }
+#endif
 #if GLSL_LOOSE
-GLSL constexpr number flushed(number v) { return v < 0x1p-126f && v > -0x1p-126f ? v * 0 : v; }
 GLSL constexpr uint32_t bits_of(number v) { return __builtin_bit_cast(uint32_t, (float)v); }
 GLSL constexpr int thrown(number a, number b = 0)
 {
@@ -82,7 +96,6 @@ GLSL constexpr number off_by(number v, int ulps, number a, number b = 0)
     return flushed((number)__builtin_bit_cast(float, bits_of(v) + (uint32_t)(ulps * thrown(a, b))));
 }
 #else
-GLSL constexpr number flushed(number v) { return v; }
 GLSL constexpr int thrown(number) { return 0; }
 GLSL constexpr number off_by(number v, int, number, number = 0) { return v; }
 #endif

@@ -103,7 +103,7 @@ std::string entry(const hbil_plan *plan, uint32_t index, const std::string &text
     }
     for (uint32_t c = 0; pass.constants && c < plan->constant_count; ++c)
         out << "    load(" << plan->constants[c].name << ", work->block + " << plan->constants[c].offset << ");\n";
-    out << "}\nextern \"C\" __attribute__((visibility(\"default\"))) void twin_pass_" << index << "(twin_state *s, const twin_work *work)\n{\n    state = s;\n    bind(work);\n";
+    out << "}\nextern \"C\" __attribute__((visibility(\"default\"))) void twin_pass_" << index << "(twin_state *s, const twin_work *work)\n{\n    [[maybe_unused]] flushing now;\n    state = s;\n    bind(work);\n";
     if (draws)
         out << "    for (int y = 0; y < work->groups[1]; ++y)\n        for (int x = 0; x < work->groups[0]; ++x) {\n"
             << "            gl_FragCoord = vec4(real(x) + real(0.5), real(y) + real(0.5), real(0), real(1));\n"
@@ -154,9 +154,19 @@ std::string read_file(const std::string &path)
     return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
+bool fuses()
+{
+#if defined(__x86_64__) || defined(__i386__)
+    return __builtin_cpu_supports("fma");
+#else
+    return false;
+#endif
+}
+
 std::string flags_of(const twin *t)
 {
-    std::string flags = "-std=c++20 -O1 -g1 -fPIC -shared -fvisibility=hidden -ffp-contract=off -fno-math-errno -w";
+    std::string flags = "-std=c++20 -O1 -g1 -fPIC -shared -fvisibility=hidden -fno-math-errno -w";
+    flags += t->flags & TWIN_LOOSE && fuses() ? " -mfma -fexpensive-optimizations -ffp-contract=fast" : " -ffp-contract=off";
     flags += t->precision == TWIN_DOUBLE ? " -DGLSL_DOUBLE=1" : " -DGLSL_DOUBLE=0";
     flags += t->flags & TWIN_STICKY ? " -DGLSL_STICKY=1" : " -DGLSL_STICKY=0";
     flags += t->flags & TWIN_LOOSE ? " -DGLSL_LOOSE=1" : " -DGLSL_LOOSE=0";

@@ -17,7 +17,7 @@ enum { TWIN_FLOAT, TWIN_DOUBLE };
 enum {
     TWIN_SANITIZE = 1, /* UndefinedBehaviorSanitizer in the shader: shifts, overflow of int, divisions by zero, conversions. Ends the program */
     TWIN_STICKY = 2,   /* min and max give NaN if one of their operands is: GLSL leaves it open */
-    TWIN_LOOSE = 4     /* results are as far off as Vulkan's table of precision allows, denormals are 0 */
+    TWIN_LOOSE = 4     /* results are as far off as Vulkan's table of precision allows, denormals are 0, products fused with sums */
 };
 typedef struct twin twin;
 
