@@ -38,6 +38,15 @@ static void set_normal(const hbil_plan *plan, extreme_frame *out, int p, double 
     n[0] = (float)(x / l), n[1] = (float)(y / l), n[2] = (float)(z / l);
 }
 
+static void color(const hbil_plan *plan, extreme_frame *out, int p, float r, float g, float b)
+{
+    image *radiance = frames_input(plan, out, "radiance");
+    if (!radiance) return;
+    radiance->data[radiance->channels * p] = r;
+    radiance->data[radiance->channels * p + 1] = g;
+    radiance->data[radiance->channels * p + 2] = b;
+}
+
 static double of(const image *img, int p, int channel) { return (double)img->data[(size_t)img->channels * (size_t)p + (size_t)channel]; }
 
 static int fail(char *why, size_t size, const char *name, int p, double value, double low, double high)
@@ -243,6 +252,141 @@ static int expect_behind_gap(const hbil_plan *plan, int index, const extreme_fra
     const double near = of(truth_output(plan, outputs, "near"), HEIGHT / 2 * WIDTH + 19, 0);
     (void)index, (void)f;
     return near > 0.03 || fail(why, size, "near", HEIGHT / 2 * WIDTH + 19, near, 0.03, 1);
+}
+
+/* ----------------------------------------------------------------------------------------------------------------- whose light */
+
+/* A black wall whose normals lean, with white holes, deeper than any horizon of theirs, and black knobs. */
+static void fill_holes(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int p;
+    (void)index;
+    begin(plan, out, 60);
+    for (p = 0; p < TEXELS; ++p) {
+        const float what = frames_random((uint32_t)p, 5);
+        frames_put(plan, out, p % WIDTH, p / WIDTH, what < 0.2f ? 60 : what < 0.4f ? 1.2 : 3, facing);
+        set_normal(plan, out, p, p & 1 ? 0.8 : -0.8, 0, 0.6);
+        color(plan, out, p, what < 0.2f, 0, 0);
+    }
+}
+
+/* Nobody on the wall sees into a hole. */
+static int expect_holes(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *near = truth_output(plan, outputs, "near");
+    const float *z = f->inputs[hbil_plan_texture(plan, "depth")].data;
+    double most = 0;
+    int p, at = 0;
+    (void)index;
+    for (p = 0; p < TEXELS; ++p)
+        if (fabsf(z[p] - 3) < 0.1f && (double)near->data[near->channels * p] > most) most = (double)near->data[near->channels * (at = p)];
+    return most < 1e-3 || snprintf(why, size, "near of pixel (%d, %d) is %g", at % WIDTH, at / WIDTH, most) < 0;
+}
+
+/* A wall, a gap through which the sky shows, and a comb of near green and less near red rows. */
+static void fill_comb(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int x, y;
+    (void)index;
+    begin(plan, out, 60);
+    for (y = 0; y < HEIGHT; ++y)
+        for (x = 0; x < WIDTH; ++x) {
+            color(plan, out, y * WIDTH + x, x >= 40 && y & 1, x >= 40 && !(y & 1), 0);
+            if (x < 20 || (x >= 28 && x < 40)) continue;
+            frames_put(plan, out, x, y, x < 40 ? 30 : y & 1 ? 15 : 2, facing);
+        }
+}
+
+static int expect_comb(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *near = truth_output(plan, outputs, "near");
+    double red = 0, green = 0;
+    int x, y;
+    (void)index, (void)f;
+    for (y = 8; y < HEIGHT - 8; ++y)
+        for (x = 20; x < 28; ++x) {
+            red += (double)near->data[near->channels * (y * WIDTH + x)];
+            green += (double)near->data[near->channels * (y * WIDTH + x) + 1];
+        }
+    return green > 1.7 * red || snprintf(why, size, "green is %g of red", green / red) < 0;
+}
+
+/* Posts one pixel wide before a wall. */
+static void fill_pole(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int p;
+    (void)index;
+    begin(plan, out, 60);
+    for (p = 0; p < TEXELS; ++p) frames_put(plan, out, p % WIDTH, p / WIDTH, p % 16 == 8 ? 2.7 : 3, facing);
+}
+
+/* Of what is deeper. */
+static double mean_ao(const hbil_plan *plan, const extreme_frame *f, const image *outputs, double deeper)
+{
+    const image *ao = truth_output(plan, outputs, "ao");
+    const float *z = f->inputs[hbil_plan_texture(plan, "depth")].data;
+    double sum = 0;
+    int p, n = 0;
+    for (p = 0; p < ao->width * ao->height; ++p)
+        if ((double)z[p] > deeper) sum += (double)ao->data[p], ++n;
+    return sum / n;
+}
+
+static int expect_pole(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const double ao = mean_ao(plan, f, outputs, 2.9);
+    (void)index;
+    return ao > 0.9 || snprintf(why, size, "mean ao of the wall is %g", ao) < 0;
+}
+
+/* Battlements. */
+static void fill_battlements(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int p;
+    (void)index;
+    begin(plan, out, 60);
+    for (p = 0; p < TEXELS; ++p) frames_put(plan, out, p % WIDTH, p / WIDTH, p % 16 < 8 ? 3 : 2.4, facing);
+}
+
+static int expect_battlements(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const double ao = mean_ao(plan, f, outputs, 2.9);
+    (void)index;
+    return ao < 0.89 || snprintf(why, size, "mean ao of the wall is %g", ao) < 0;
+}
+
+/* Black surfaces. */
+static void fill_black(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    truth_corner(plan, index, out);
+    frames_fill(frames_input(plan, out, "albedo"), 0);
+}
+
+/* They have no second bounce. */
+static int expect_black(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
+{
+    const image *ao = truth_output(plan, outputs, "ao"), *all = truth_output(plan, outputs, "multi_bounce");
+    int p;
+    (void)index, (void)f;
+    for (p = 0; p < ao->width * ao->height; ++p)
+        if (fabsf(all->data[all->channels * p] - ao->data[p]) > 1e-5f)
+            return snprintf(why, size, "pixel (%d, %d): ao %g, with bounces %g", p % ao->width, p / ao->width, (double)ao->data[p],
+                            (double)all->data[all->channels * p]), 0;
+    return 1;
+}
+
+/* Under a sky brighter than any light may be, normals that are across the view and most slices. */
+static void fill_across_the_view(const hbil_plan *plan, int index, extreme_frame *out)
+{
+    int p, k;
+    (void)index;
+    wall(plan, out);
+    for (p = 0; p < TEXELS; ++p) {
+        const double a = 6.2831853 * (double)frames_random((uint32_t)p, 3);
+        set_normal(plan, out, p, cos(a), sin(a), 0.02);
+    }
+    memset(out->frame.far_sh, 0, sizeof out->frame.far_sh);
+    for (k = 0; k < 3; ++k) out->frame.far_sh[0][k] = 1e7f;
 }
 
 /* --------------------------------------------------------------------------------------------------------------------- filters */
@@ -459,5 +603,13 @@ const extreme_case extreme_scenes[] = {
     { "truth_white_to_the_left", "outputs=ao+near temporal=yes rectify=none reproject=camera slices=2", 4, fill_leftwards, truth_white, 0 },
     { "truth_beyond_half_floats", "outputs=ao+near storage=half filter=3x3 near_intensity=100 slices=2", 1, fill_blinding, expect_blinding, 0 },
     { "truth_sh_of_a_hemisphere", "outputs=ao+sh slices=8 steps=4 noise=none", 2, fill_open_wall, expect_hemisphere, 0 },
+    { "truth_holes_light_nobody_above", "outputs=ao+near sampling=bilinear slices=8 steps=32", 1, fill_holes, expect_holes, 0 },
+    { "truth_behind_a_gap_the_nearest_shines", "outputs=ao+near sampling=bilinear slices=8 steps=3", 1, fill_comb, expect_comb, 0 },
+    { "truth_poles_hide_little", "outputs=ao occluder=heuristic decay=0.5 slices=8 steps=16", 1, fill_pole, expect_pole, 0 },
+    { "truth_thick_walls_fade_as_solid_ones",
+      "outputs=ao estimator=bitmask occluder=thick thickness=100 reach=2 falloff=1 slices=8 steps=32", 1, fill_battlements, expect_battlements, 0 },
+    { "truth_black_surfaces_bounce_nothing", "outputs=ao+multi_bounce slices=2", 1, fill_black, expect_black, 0 },
+    { "truth_far_light_is_no_brighter_edge_on",
+      "outputs=ao+far estimator=bitmask environment=sh far_visibility=free_bits filter=3x3 slices=1 steps=1", 1, fill_across_the_view, NULL, 0 },
 };
 const int extreme_scene_count = (int)(sizeof extreme_scenes / sizeof *extreme_scenes);
