@@ -92,7 +92,7 @@ static int check_furnace(const char *name)
 {
     capture cap;
     load(name, &cap);
-    assert_true(!name || getenv("HBIL_LONG") || decimate(&cap, 2));
+    assert_true(!name || getenv("HBIL_LONG") || decimate(&cap, 4));
     const double worst = furnace_error(&cap);
     print_message("furnace, %s: near + ao is 1 within %.1e\n", name ? name : "built-in scene", worst);
     capture_free(&cap);
@@ -241,7 +241,7 @@ static void check_corner(const wedge *w, const bf_camera *camera, uint32_t seed_
 static void check_opening(int opening_degrees, int fov_degrees, uint32_t seed_compat, corner_error *worst)
 {
     const double    fov = fov_degrees * k_pi / 180.0, opening = opening_degrees * k_pi / 180.0, beside = 0.3 * tan(0.5 * fov);
-    const bf_camera camera = centred_camera(240, 135, fov);
+    const bf_camera camera = centred_camera(160, 90, fov);
     for (int pose = 0; pose < 3; ++pose) {
         const double angle = (5.0 + 55.0 * pose) * k_pi / 180.0;
         const double point[3] = {-4.0 * beside * sin(angle), 4.0 * beside * cos(angle), -4.0};
@@ -259,7 +259,9 @@ static void corners_have_their_exact_visibility_and_the_seeds_do_not(void **stat
     for (int i = 0; i < 12; ++i) {
         corner_error ours = {0.0, 0.0}, seeds = {0.0, 0.0};
         check_opening(openings[i / 3], fovs[i % 3], 0, &ours);
-        check_opening(openings[i / 3], fovs[i % 3], HBIL_SEED_COMPAT_SCREEN_AZIMUTH, &seeds);
+        if (i < 3 || getenv("HBIL_LONG")) { /* they are furthest off where the corner is narrowest */
+            check_opening(openings[i / 3], fovs[i % 3], HBIL_SEED_COMPAT_SCREEN_AZIMUTH, &seeds);
+        }
         print_message("corner of %3d degrees, fov %3d: ao off by %.4f (one pixel %.4f); slices uniform on the screen: %.4f (%.4f)\n",
                       openings[i / 3], fovs[i % 3], ours.mean, ours.single, seeds.mean, seeds.single);
         worst = fmax(worst, ours.mean);
@@ -372,7 +374,7 @@ static void run_mean(const hbil_config *config, const gpu_input *in, int frames,
     }
 }
 
-/* The frame made at most `width` wide, against 4096 rays on about 600 of its pixels. */
+/* The frame made at most `width` wide, against 1024 rays (HBIL_LONG=1: 4096) on about 600 of its pixels. */
 static int check_against_brute_force(const char *name, const hbil_config *config, int frames, int width, const limits *limit)
 {
     capture    cap;
@@ -392,7 +394,7 @@ static int check_against_brute_force(const char *name, const hbil_config *config
     assert_non_null(truth);
     run_mean(config, &in, frames, &out);
     const double device = gpu_clock() - start;
-    assert_true(bf_run(&scene, grid, 4096, truth));
+    assert_true(bf_run(&scene, grid, getenv("HBIL_LONG") ? 4096 : 1024, truth));
     for (int i = 0; i < grid.columns * grid.rows; ++i) {
         if (truth[i].sky == 0.0) {
             const int x = grid.first + i % grid.columns * stride, y = grid.first + i / grid.columns * stride;
@@ -428,7 +430,8 @@ static void brute_force_meets_the_march_over_the_surface(void **state)
 
 static int check_centres(const char *name)
 {
-    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT, .slices = 64, .steps = 256};
+    const hbil_config config = {.outputs = HBIL_OUTPUTS_AO | HBIL_OUTPUTS_NEAR | HBIL_OUTPUTS_BENT,
+                                .slices = getenv("HBIL_LONG") ? 64 : 32, .steps = 256};
     /* full size takes minutes on two cores */
     return check_against_brute_force(name, &config, 1, getenv("HBIL_LONG") ? 640 : 320, &k_centres);
 }

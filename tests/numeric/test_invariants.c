@@ -70,7 +70,9 @@ static void check_furnaces(const capture *cap, const char *name)
             for (size_t k = 0; k < sizeof slices / sizeof *slices; ++k) {
                 char config[256];
                 if (cap->width > 320 && (k != turn % 5 || (turn % 2 && !getenv("HBIL_LONG")))) continue; /* all on small frames, in turn on others: time */
-                snprintf(config, sizeof config, "outputs=near+far environment=sh slices=%d %s %s", slices[k], models[m], reaches[r]);
+                /* of the frame: the same shader for all of them */
+                snprintf(config, sizeof config, "outputs=near+far environment=sh dynamic=slices slices=%d %s %s", slices[k], models[m],
+                         reaches[r]);
                 check_furnace(&bright, config, &white);
             }
     image_free(&bright.direct);
