@@ -12,9 +12,9 @@ static inline int decimate(capture *cap, int by)
 {
     const int    width = cap->width / by, height = cap->height / by;
     const int    size[2] = {cap->width, cap->height}, small[2] = {width, height};
-    image *const images[] = {&cap->depth, &cap->normal, &cap->albedo, &cap->direct,
+    image *const images[] = {&cap->depth, &cap->normal, &cap->albedo, &cap->direct, &cap->f0, &cap->roughness,
                              &cap->truth_ao, &cap->truth_near, &cap->truth_far};
-    for (int k = 0; k < 7; ++k) {
+    for (size_t k = 0; k < sizeof images / sizeof *images; ++k) {
         const int channels = images[k]->channels;
         image     out;
         if (!images[k]->data) {
