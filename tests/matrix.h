@@ -134,6 +134,57 @@ static inline int matrix_pairwise(hbil_config out[MATRIX_ROWS])
     return n;
 }
 
+/* What each config has, as the numbers of "name=value". */
+typedef struct matrix_words {
+    char           words[1024][256];
+    int            count;
+    unsigned short of[MATRIX_ROWS][MATRIX_OPTIONS];
+} matrix_words;
+
+static inline void matrix_read_words(matrix_words *m, const hbil_config *c, unsigned short of[MATRIX_OPTIONS])
+{
+    hbil_config resolved; /* what is of no use is a default there */
+    char text[4096], *word;
+    int i, n = 0;
+    assert_int_equal(hbil_config_resolve(c, &resolved, NULL), HBIL_OK);
+    assert_int_equal(hbil_config_print(&resolved, 1, text, sizeof text, NULL), HBIL_OK);
+    for (word = strtok(text, " \n"); word; word = strtok(NULL, " \n")) {
+        assert_true(n < MATRIX_OPTIONS && strlen(word) < sizeof m->words[0]);
+        for (i = 0; i < m->count && strcmp(m->words[i], word); ++i) { }
+        assert_true(i < 1024);
+        if (i == m->count) strcpy(m->words[m->count++], word);
+        of[n++] = (unsigned short)i;
+    }
+    assert_int_equal(n, hbil_option_count());
+}
+
+/* Moves a few configs to the front in which every value is there that any of them has where it is of use. Returns their number. */
+static inline int matrix_cover(hbil_config *configs, int count)
+{
+    static matrix_words m;
+    char seen[1024];
+    int n, k, i;
+    memset(&m, 0, sizeof m);
+    memset(seen, 0, sizeof seen);
+    for (k = 0; k < count; ++k) matrix_read_words(&m, &configs[k], m.of[k]);
+    for (n = 0; n < count; ++n) {
+        int best = n, most = 0;
+        hbil_config taken;
+        for (k = n; k < count; ++k) {
+            int fresh = 0;
+            for (i = 0; i < hbil_option_count(); ++i) fresh += !seen[m.of[k][i]];
+            if (fresh > most) best = k, most = fresh;
+        }
+        if (!most) return n;
+        for (i = 0; i < hbil_option_count(); ++i) seen[m.of[best][i]] = 1;
+        taken = configs[best];
+        configs[best] = configs[n];
+        configs[n] = taken;
+        memcpy(m.of[best], m.of[n], sizeof m.of[n]);
+    }
+    return n;
+}
+
 /* Every value of every option in every context: what pairs alone do not reach. Returns their number; configs that are equal once
  * resolved are given once. */
 static inline int matrix_in_contexts(hbil_config *out, int most)
