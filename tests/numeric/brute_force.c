@@ -3,7 +3,7 @@
  * A ray P + s w projects to a straight screen line. With g = w.xy - (P.xy / depth) * forward(w), the screen moves along g
  * (perspective: by m = s / (depth + s forward); orthographic: m = s, g = w.xy) and the ray's height h is linear in m:
  * 1/depth * (1 - m forward), or -depth - m forward. So in each cell the surface minus the ray is a quadratic along the line, and
- * the first place where it is not negative is found exactly. */
+ * the first place where it is not negative is found exactly. Cells and blocks of cells that the ray passes above are passed over. */
 #include "brute_force.h"
 
 #include <math.h>
@@ -13,6 +13,7 @@
 
 #define BF_THREADS 2
 #define BF_BATCHES 8    /* independently shifted low-discrepancy sets: their spread gives the standard error */
+#define BF_BLOCK   8    /* cells along the side of a block */
 #define BF_PULL    1e-5 /* part of the depth by which a receiver moves towards the camera: the ray starts above its own surface */
 
 static const double k_pi = 3.14159265358979323846;
@@ -21,8 +22,11 @@ typedef struct field {
     const bf_scene *scene;
     bf_grid         grid;
     int             rays;
-    const double   *height;  /* width * height values of h */
+    double         *height;  /* width * height values of h */
     double          highest; /* of all h */
+    double         *top;     /* of every cell, by its first corner: the largest h; -infinity if one of its corners is sky */
+    double         *blocks;  /* the largest of top in every block of cells */
+    int             blocks_wide;
     bf_pixel       *out;
 } field;
 
@@ -149,38 +153,77 @@ static int blocking_pixel(const field *f, int cell, double a, double b, double h
     return best;
 }
 
-/* Length to the next cell border ahead of x. */
-static double to_border(double x, int cell, double d)
+/* Length from x to a border, in a direction of d = 1 / inverse pixels. */
+static double to_border(double x, int border, double d, double inverse)
 {
-    return d > 0.0 ? (cell + 1 - x) / d : d < 0.0 ? (cell - x) / d : HUGE_VAL;
+    return d == 0.0 ? HUGE_VAL : (border - x) * inverse;
+}
+
+/* The next cell behind `size` cells from `first` on in one direction, if the way out of them is through this side; else the one at x. */
+static int step_on(int first, int size, int leaves, double d, double x)
+{
+    const int last = first + size - 1, at = (int)x;
+    return leaves ? (d > 0.0 ? last + 1 : first - 1) : at < first ? first : at > last ? last : at;
+}
+
+/* Where the line leaves `size` x `size` cells from (ix, iy) on. */
+typedef struct way_out { double tx, ty, t; } way_out;
+
+static way_out leave(const line *l, int ix, int iy, int size, double ux, double uy)
+{
+    way_out w;
+    w.tx = to_border(l->x, l->dx > 0.0 ? ix + size : ix, l->dx, ux);
+    w.ty = to_border(l->y, l->dy > 0.0 ? iy + size : iy, l->dy, uy);
+    w.t = fmin(fmin(w.tx, w.ty), l->end);
+    return w;
+}
+
+/* The pixel that blocks the ray in a cell, from t to t + len, or -1. */
+static int follow_cell(const field *f, const line *l, int ix, int iy, double t, double len)
+{
+    const int     width = f->scene->camera.width;
+    const double  h = l->h + l->dh * t, a = l->x + l->dx * t - ix, b = l->y + l->dy * t - iy;
+    const double *v = f->height + iy * width + ix;
+    const double  sa = v[1] - v[0], sb = v[width] - v[0], sab = v[width + 1] - v[width] - sa;
+    const double  rise = first_rise(v[0] + sa * a + sb * b + sab * a * b - h,
+                                    sa * l->dx + sb * l->dy + sab * (a * l->dy + b * l->dx) - l->dh, sab * l->dx * l->dy, len);
+    return rise < 0.0 ? -1 : blocking_pixel(f, iy * width + ix, a + rise * l->dx, b + rise * l->dy, h + rise * l->dh);
 }
 
 /* The pixel that blocks the ray, or -1. */
 static int follow(const field *f, const line *l)
 {
     const bf_camera *c = &f->scene->camera;
-    int              ix = l->dx < 0.0 ? (int)l->x - 1 : (int)l->x, iy = l->dy < 0.0 ? (int)l->y - 1 : (int)l->y;
+    const double     ux = 1.0 / l->dx, uy = 1.0 / l->dy;
+    int              ix = l->dx < 0.0 ? (int)l->x - 1 : (int)l->x, iy = l->dy < 0.0 ? (int)l->y - 1 : (int)l->y, seen = -1;
     double           t = 0.0;
     while (ix >= 0 && iy >= 0 && ix < c->width - 1 && iy < c->height - 1 && t < l->end) {
-        const double  h = l->h + l->dh * t, a = l->x + l->dx * t - ix, b = l->y + l->dy * t - iy;
-        const double *v = f->height + iy * c->width + ix;
-        const double  tx = to_border(l->x, ix, l->dx), ty = to_border(l->y, iy, l->dy);
-        const double  next = fmin(fmin(tx, ty), l->end), len = next - t;
+        const double h = l->h + l->dh * t;
+        const int    bx = ix / BF_BLOCK, by = iy / BF_BLOCK, block = by * f->blocks_wide + bx;
+        int          x = ix, y = iy, size = 1;
+        way_out      out;
         if (l->dh >= 0.0 && h > f->highest) {
             return -1;
         }
-        if (isfinite(v[0] + v[1] + v[c->width] + v[c->width + 1])) {
-            const double sa = v[1] - v[0], sb = v[c->width] - v[0], sab = v[c->width + 1] - v[c->width] - sa;
-            const double rise = first_rise(v[0] + sa * a + sb * b + sab * a * b - h,
-                                           sa * l->dx + sb * l->dy + sab * (a * l->dy + b * l->dx) - l->dh,
-                                           sab * l->dx * l->dy, len);
-            if (rise >= 0.0) {
-                return blocking_pixel(f, iy * c->width + ix, a + rise * l->dx, b + rise * l->dy, h + rise * l->dh);
+        if (block != seen) {
+            seen = block;
+            out = leave(l, bx * BF_BLOCK, by * BF_BLOCK, BF_BLOCK, ux, uy);
+            if (fmin(h, l->h + l->dh * out.t) > f->blocks[block]) {
+                x = bx * BF_BLOCK, y = by * BF_BLOCK, size = BF_BLOCK;
             }
         }
-        ix += tx <= ty ? (l->dx > 0.0 ? 1 : -1) : 0;
-        iy += ty <= tx ? (l->dy > 0.0 ? 1 : -1) : 0;
-        t = next;
+        if (size == 1) {
+            out = leave(l, ix, iy, 1, ux, uy);
+            if (fmin(h, l->h + l->dh * out.t) <= f->top[iy * c->width + ix]) {
+                const int pixel = follow_cell(f, l, ix, iy, t, out.t - t);
+                if (pixel >= 0) {
+                    return pixel;
+                }
+            }
+        }
+        ix = step_on(x, size, out.tx <= out.ty, l->dx, l->x + l->dx * out.t);
+        iy = step_on(y, size, out.ty <= out.tx, l->dy, l->y + l->dy * out.t);
+        t = out.t;
     }
     return -1;
 }
@@ -279,20 +322,51 @@ static double height_of(const bf_scene *s, double depth)
     return s->camera.orthographic ? -depth : 1.0 / depth;
 }
 
+/* 0: out of memory. Give back with close_field all the same. */
+static int open_field(field *f)
+{
+    const int width = f->scene->camera.width, height = f->scene->camera.height, high = height / BF_BLOCK + 1;
+    f->blocks_wide = width / BF_BLOCK + 1;
+    f->height = malloc((size_t)(width * height) * sizeof *f->height);
+    f->top = malloc((size_t)(width * height) * sizeof *f->top);
+    f->blocks = malloc((size_t)(f->blocks_wide * high) * sizeof *f->blocks);
+    if (!f->height || !f->top || !f->blocks) {
+        return 0;
+    }
+    f->highest = -HUGE_VAL;
+    for (int i = 0; i < width * height; ++i) {
+        f->height[i] = height_of(f->scene, (double)f->scene->depth[i]);
+        f->highest = fmax(f->highest, f->height[i]);
+    }
+    for (int i = 0; i < f->blocks_wide * high; ++i) {
+        f->blocks[i] = -HUGE_VAL;
+    }
+    for (int i = 0; i < (width - 1) * (height - 1); ++i) {
+        const int     x = i % (width - 1), y = i / (width - 1), block = y / BF_BLOCK * f->blocks_wide + x / BF_BLOCK;
+        const double *v = f->height + y * width + x;
+        double       *top = &f->top[y * width + x];
+        *top = isfinite(v[0] + v[1] + v[width] + v[width + 1]) ? fmax(fmax(v[0], v[1]), fmax(v[width], v[width + 1])) : -HUGE_VAL;
+        f->blocks[block] = fmax(f->blocks[block], *top);
+    }
+    return 1;
+}
+
+static void close_field(field *f)
+{
+    free(f->height);
+    free(f->top);
+    free(f->blocks);
+}
+
 int bf_run(const bf_scene *scene, bf_grid grid, int rays, bf_pixel *out)
 {
-    const int pixels = scene->camera.width * scene->camera.height;
-    double   *height = malloc((size_t)pixels * sizeof *height);
-    field     f = {scene, grid, rays, height, -HUGE_VAL, out};
+    field     f = {.scene = scene, .grid = grid, .rays = rays, .out = out};
     share     shares[BF_THREADS];
     pthread_t threads[BF_THREADS];
     int       started = 0;
-    if (!height) {
+    if (!open_field(&f)) {
+        close_field(&f);
         return 0;
-    }
-    for (int i = 0; i < pixels; ++i) {
-        height[i] = height_of(scene, (double)scene->depth[i]);
-        f.highest = fmax(f.highest, height[i]);
     }
     for (int i = 0; i < BF_THREADS; ++i) {
         shares[i].f = &f;
@@ -307,6 +381,6 @@ int bf_run(const bf_scene *scene, bf_grid grid, int rays, bf_pixel *out)
     for (int i = 0; i < started; ++i) {
         pthread_join(threads[i], NULL);
     }
-    free(height);
+    close_field(&f);
     return 1;
 }
