@@ -374,7 +374,7 @@ static void run_mean(const hbil_config *config, const gpu_input *in, int frames,
     }
 }
 
-/* The frame made at most `width` wide, against 1024 rays (HBIL_LONG=1: 4096) on about 600 of its pixels. */
+/* The frame made at most `width` wide, against 4096 rays on about 600 of its pixels. */
 static int check_against_brute_force(const char *name, const hbil_config *config, int frames, int width, const limits *limit)
 {
     capture    cap;
@@ -394,7 +394,7 @@ static int check_against_brute_force(const char *name, const hbil_config *config
     assert_non_null(truth);
     run_mean(config, &in, frames, &out);
     const double device = gpu_clock() - start;
-    assert_true(bf_run(&scene, grid, getenv("HBIL_LONG") ? 4096 : 1024, truth));
+    assert_true(bf_run(&scene, grid, 4096, truth));
     for (int i = 0; i < grid.columns * grid.rows; ++i) {
         if (truth[i].sky == 0.0) {
             const int x = grid.first + i % grid.columns * stride, y = grid.first + i / grid.columns * stride;
