@@ -6,14 +6,14 @@
 
 #include "../../examples/frame/capture.h"
 
-/* Every by-th pixel of every by-th row of the G-buffer and of the truths of the scene as a frame of its own, with the same
+/* Every by-th pixel of every by-th row of the G-buffer and of the truths of the scene, of one frame or of all of a film, as a frame of its own, with the same
  * rays through its pixel centres. by: even. 1, or 0: out of memory, and the capture is of no more use. */
 static inline int decimate(capture *cap, int by)
 {
     const int    width = cap->width / by, height = cap->height / by;
     const int    size[2] = {cap->width, cap->height}, small[2] = {width, height};
-    image *const images[] = {&cap->depth, &cap->normal, &cap->albedo, &cap->direct, &cap->f0, &cap->roughness,
-                             &cap->truth_ao, &cap->truth_near, &cap->truth_far};
+    image *const images[] = {&cap->depth, &cap->normal, &cap->albedo, &cap->direct, &cap->f0, &cap->roughness, &cap->motion,
+                             &cap->truth_ao, &cap->truth_near, &cap->truth_far, &cap->truth_bounce};
     for (size_t k = 0; k < sizeof images / sizeof *images; ++k) {
         const int channels = images[k]->channels;
         image     out;
@@ -29,6 +29,9 @@ static inline int decimate(capture *cap, int by)
         }
         image_free(images[k]);
         *images[k] = out;
+    }
+    for (int i = 0; cap->motion.data && i < 2 * width * height; ++i) {
+        cap->motion.data[i] /= (float)by;
     }
     for (int axis = 0; axis < 2; ++axis) { /* centre x' + 1/2 of the small frame is by (x' + 1/2) + 1/2 of the large one */
         const double scale = (double)size[axis] / (by * small[axis]), shift = scale * (1.0 - 1.0 / size[axis]) - 1.0;
