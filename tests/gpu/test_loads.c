@@ -11,6 +11,7 @@ static hbil_result emit_counting(const hbil_plan *plan, int32_t pass, const char
 #undef hbil_emit_glsl_hook
 
 #include "../captures.h"
+#include "../numeric/decimate.h"
 #include "inputs.h"
 
 static vk_device *device;
@@ -360,7 +361,7 @@ int main(void)
     }
     ok = names.count ? captures_load(names.name[0], 0, &cap, error, sizeof error) :
                        capture_scene(&cap, "cornell", 320, 180, 0, NULL, error, sizeof error);
-    if (!ok) {
+    if (!ok || (names.count && !getenv("HBIL_LONG") && !decimate(&cap, 2))) { /* time */
         printf("%s\n", error);
         return 1;
     }
