@@ -6,8 +6,8 @@
 
 #include "../../examples/frame/capture.h"
 
-/* Every by-th pixel of every by-th row of the G-buffer and of the truths of the scene, of one frame or of all of a film, as a frame of its own, with the same
- * rays through its pixel centres. by: even. 1, or 0: out of memory, and the capture is of no more use. */
+/* Every by-th pixel of every by-th row of the G-buffer and of the truths of the scene as a frame of its own, or as one of a film of which
+ * all are made small, with the same rays through its pixel centres. by: even. 1, or 0: out of memory, and the capture is of no more use. */
 static inline int decimate(capture *cap, int by)
 {
     const int    width = cap->width / by, height = cap->height / by;

@@ -65,6 +65,7 @@ static void check_furnaces(const capture *cap, const char *name)
     environment white = rig_environment("sh:" WHITE_L00 "," WHITE_L00 "," WHITE_L00);
     capture bright = *cap;
     static size_t turn; /* of all frames */
+    const int large = cap->width > (getenv("HBIL_LONG") ? 320 : 160);
     assert_true(image_make(&bright.direct, cap->width, cap->height, 3));
     rig_whiten(&bright);
     (void)name;
@@ -72,7 +73,8 @@ static void check_furnaces(const capture *cap, const char *name)
         for (size_t r = 0; r < sizeof reaches / sizeof *reaches; ++r, ++turn)
             for (size_t k = 0; k < sizeof slices / sizeof *slices; ++k) {
                 char config[256];
-                if (cap->width > (getenv("HBIL_LONG") ? 320 : 160) && (k != turn % 5 || (turn % 2 && !getenv("HBIL_LONG")))) continue; /* all on small frames, in turn on others: time */
+                /* all on small frames, in turn on others: time */
+                if (large && (k != turn % 5 || (turn % 2 && !getenv("HBIL_LONG")))) continue;
                 /* of the frame: the same shader for all of them */
                 snprintf(config, sizeof config, "outputs=near+far environment=sh dynamic=slices slices=%d %s %s", slices[k], models[m],
                          reaches[r]);

@@ -31,7 +31,8 @@ static const double k_pi = 3.14159265358979323846;
 
 static const char *const k_scenes[] = {"cornell", "fence"};
 
-/* The built-in scenes, then the first frame of every capture, every second pixel of every second row (HBIL_LONG=1: all); NULL when there are no more. Free with capture_free. */
+/* The built-in scenes, then the first frame of every capture, every second pixel of every second row (HBIL_LONG=1: all); NULL when
+ * there are no more. Free with capture_free. */
 static const char *load(int index, capture *cap)
 {
     static capture_names list;
