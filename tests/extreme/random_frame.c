@@ -89,7 +89,7 @@ static void bound_cost(rng *r, hbil_config *c)
 {
     if (rng_below(r, 4) && c->slices > 4) c->slices = 1 + rng_below(r, 4);
     if (rng_below(r, 4) && c->steps > 12) c->steps = 1 + rng_below(r, 12);
-    while ((c->slices ? c->slices : 3) * (c->steps ? c->steps : 6) > 16000) c->steps /= 2;
+    while ((c->slices ? c->slices : 16) * (c->steps ? c->steps : 6) > 16000) c->steps /= 2; /* 16: a sweep's default */
 }
 
 int random_config(rng *r, int32_t target, hbil_config *out)
@@ -126,7 +126,7 @@ static void random_live(rng *r, const hbil_config *config, hbil_config *live)
     }
     if (live->slices > 8 && rng_below(r, 4)) live->slices = 1 + rng_below(r, 8);
     if (live->steps > 16 && rng_below(r, 4)) live->steps = 1 + rng_below(r, 16);
-    while ((live->slices ? live->slices : config->slices) * (live->steps ? live->steps : config->steps) > 16000)
+    while ((live->slices || live->steps) && (live->slices ? live->slices : config->slices) * (live->steps ? live->steps : config->steps) > 16000)
         *(live->steps ? &live->steps : &live->slices) /= 2;
 }
 
