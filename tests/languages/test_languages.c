@@ -87,13 +87,16 @@ static void read_hlsl(const char *source, const char *where)
 /* The declaration of a name ends with this, on its line. */
 static void assert_declared(const char *source, const char *name, const char *end, const char *where)
 {
-    char word[64], line[1024];
+    char word[256], line[1024];
     const char *at;
     snprintf(word, sizeof word, " %s", name);
     for (at = source; (at = strstr(at, word)) != NULL; ++at) {
         const char *behind = at + strlen(word);
+        const size_t length = strcspn(at, "\n");
         if (*behind != ' ' && *behind != ';') continue;
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(at, "\n"), at);
+        assert_true(length < sizeof line);
+        memcpy(line, at, length);
+        line[length] = 0;
         if (strstr(line, end)) return;
     }
     fail_msg("%s: %s is not declared with %s", where, name, end);
