@@ -27,8 +27,8 @@ help:
 	@echo 'make fuzz    libFuzzer on every input that comes from outside; FUZZ_SECONDS=N each ($(FUZZ_SECONDS)), FUZZ_TARGETS="config exr ..."'
 	@echo 'make bounds  rounding errors of each output at the ends of distance, field of view, reach and slices, into README.md'
 	@echo 'make long-run 36000 frames of a moving camera on both backends, six configs: no drift, no leak, no NaN; an hour'
-	@echo 'make leaks   all programs under sanitizers and valgrind, on both backends; ten minutes'
-	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; ten minutes on two cores'
+	@echo 'make leaks   all programs under sanitizers and valgrind, on both backends; minutes'
+	@echo 'make mutate  each guard of the shaders taken out in turn: which test fails? Into tests/mutation/guards.md; minutes'
 	@echo 'make clean   remove the build folders and out/demo'
 	@echo
 	@echo 'JOBS=N       that many at once, instead of $(JOBS)'
