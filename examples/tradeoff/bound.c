@@ -103,7 +103,7 @@ static const seam seams[] = {
     {ALL, {"void hbil_fill(", "hbil_radiance_at("}, "if (fresh != 0u) {", "if (bound_take(i, fresh != 0u)) {"},
     /* what skips samples that give nothing: the record does */
     {NAKED, {"hbil_go("}, "if (at.z >= HBIL_SKY) continue;", ""},
-    {NAKED, {"void hbil_fill("}, "if (high <= low || dot(r.n, h) * inv <= HBIL_BIAS) continue;", ""},
+    {NAKED, {"void hbil_fill("}, "if (dot(r.n, h) * inv <= HBIL_BIAS) continue;", ""},
     /* of a vertex of the hull only its address */
     {NAKED, {"hbil_walk("}, "uvec4(hbil_code(at))", "uvec4(uint(at.back))"},
     {TRACED, {""}, "void main() {", "void bound_main() {"},

@@ -280,7 +280,7 @@ const extreme_case extreme_counted[] = {
     LOOSE("truth_threads_beside_the_frame_rest",
           "outputs=ao slices=1 steps=1 interleave=yes temporal=yes reproject=scatter", 2, fill_shrinking_wall, NULL),
     LOOSE("truth_the_sky_costs_nothing", "outputs=ao+near bounces=recursive reproject=scatter slices=1 steps=1", 2, fill_sky, NULL),
-    LOOSE("truth_claims_are_read_once", "outputs=ao slices=1 steps=1 temporal=yes reproject=scatter", 2, fill_wall, NULL),
+    LOOSE("truth_claims_are_read_once", "outputs=ao slices=1 steps=1 interleave=yes temporal=yes reproject=scatter", 2, fill_wall, NULL),
 };
 const int extreme_counted_count = (int)(sizeof extreme_counted / sizeof *extreme_counted);
 
