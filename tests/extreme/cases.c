@@ -200,7 +200,7 @@ const extreme_case extreme_cases[] = {
     { "H4_normals_across_a_slice", BOTH, 7, fill_alone, NULL, EXTREME_LEGAL },
     { "H5_cone_of_what_is_wholly_hidden", PITS, 3, fill_pit, expect_dark_pits, 0 },
     { "H5_cone_of_what_is_wholly_hidden", SWEEP, 3, fill_pit, NULL, 0 },
-    { "H6_floors_see_all_of_the_sky", WALLS, 3, fill_floor_under_sky, expect_open, EXTREME_LEGAL },
+    { "H6_floors_see_all_of_the_sky", WALLS, 3, fill_floor_under_sky, expect_open, EXTREME_LEGAL | EXTREME_EXACT },
     { "H6_floors_see_all_of_the_sky", WALLS_BITS, 3, fill_floor_under_sky, expect_open, EXTREME_LEGAL },
     { "H6_floors_see_all_of_the_sky", WALLS_SWEEP, 3, fill_floor_under_sky, expect_open, EXTREME_LEGAL },
     { "H6_floors_see_all_of_the_sky", WALLS_BOTH, 3, fill_floor_under_sky, expect_open, EXTREME_LEGAL },

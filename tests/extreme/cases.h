@@ -16,7 +16,7 @@ enum {
     EXTREME_LEGAL = 1,  /* all of its inputs have a meaning by hbil.h's manual: backends must agree */
     EXTREME_LONG = 2,   /* minutes on a CPU: run with HBIL_LONG=1 */
     EXTREME_TIES = 8,   /* depths so far apart that cosines round to 1: see test_extreme.c */
-    EXTREME_EXACT = 16, /* `expect` holds where sines and cosines are good to 1e-6, not 5e-4 as Vulkan allows: not judged on "loose" */
+    EXTREME_EXACT = 16, /* `expect` holds where functions are as exact as on real devices, not as bad as Vulkan allows: not judged on "loose" */
     EXTREME_TWIN = 32,     /* of tests/mutation: on "loose" alone */
     EXTREME_SPOILED = 64,  /* with it: before frame 1 what history has of light becomes NaN, before frame 2 depths, too */
     EXTREME_REFUSED = 4 /* hbil_pack_constants must refuse its frames, with a diagnostic */

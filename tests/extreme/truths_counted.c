@@ -52,14 +52,14 @@ static void fill_sky(const hbil_plan *plan, int index, extreme_frame *out)
     out->frame.reset = index == 0;
 }
 
-/* Sets of numbers of hbil_noise: 0 turns the slices, 1 jitters the steps, 2 the edges of sectors. */
+/* As hbil_noise with hilbert_r2, number 0 turns the slices, 1 jitters the steps, 2 the edges of sectors. */
 static float noise_of(uint32_t place, uint32_t frame, int number)
 {
     static const uint32_t steps[3] = { 3242174889u, 2447445414u, 2654435769u };
     return (float)((steps[number] * (place + 288u * frame) + 2147483648u) >> 8) / 16777216.0f;
 }
 
-/* The first frame from `frame` on whose number of pixel (0, 0), place 0 of the curve, is `value`. */
+/* The first frame from `frame` on whose number of pixel (0, 0), place 0 of the curve, is `value`: of 24 bits, so that there is one. */
 static uint32_t frame_of(uint32_t frame, int number, float value)
 {
     while (noise_of(0, frame, number) != value) ++frame;
@@ -123,9 +123,7 @@ static void fill_coincident(const hbil_plan *plan, int index, extreme_frame *out
     frames_begin(plan, out, &c, 0);
     truth_light(plan, out, 1);
     for (p = 0; p < TEXELS; ++p) {
-        float z = 2.0f;
-        if (p % 3 == 1) z = start;
-        frames_put(plan, out, p % WIDTH, p / WIDTH, (double)z, facing);
+        frames_put(plan, out, p % WIDTH, p / WIDTH, p % 3 == 1 ? (double)start : 2.0, facing);
     }
     out->frame.reset = 1;
 }
@@ -193,7 +191,7 @@ static int expect_grooves(const hbil_plan *plan, int index, const extreme_frame 
 
 /* ------------------------------------------------------------------------------------------------------------------- fragments */
 
-/* Normals of any direction, in codes that are the nearest to them. */
+/* Codes of hbil_encode_normal are the nearest to their normals, where these face the camera: half a code away, and rounding. */
 static int expect_codes(const hbil_plan *plan, int index, const extreme_frame *f, const image *outputs, char *why, size_t size)
 {
     const image *codes = &outputs[hbil_plan_texture(plan, "view_normal")];

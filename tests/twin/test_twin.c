@@ -196,7 +196,7 @@ static void hostile_frames(const char *config, const hbil_plan *plan, const capt
     twin *const both[] = { one, two };
     size_t k;
     int f;
-    for (k = sanitized && !getenv("HBIL_LONG"); k < 2; ++k) { /* loose finds more */
+    for (k = sanitized && !getenv("HBIL_LONG"); k < 2; ++k) { /* loose alone, which finds more: time */
         twin_forgive(both[k]);
         for (f = 0; f < MOVES; ++f) {
             hbil_frame frame;

@@ -18,6 +18,7 @@
 
 /* TWIN_COMPILER, TWIN_SOURCES (folder of glsl.hpp), TWIN_CACHE (folder of the libraries): from CMake. */
 
+/* Not in the namespace without a name: tests/mutation includes this file. */
 struct texture {
     twin_texture               shared{};
     std::vector<unsigned char> texels, written;
@@ -103,7 +104,8 @@ std::string entry(const hbil_plan *plan, uint32_t index, const std::string &text
     }
     for (uint32_t c = 0; pass.constants && c < plan->constant_count; ++c)
         out << "    load(" << plan->constants[c].name << ", work->block + " << plan->constants[c].offset << ");\n";
-    out << "}\nextern \"C\" __attribute__((visibility(\"default\"))) void twin_pass_" << index << "(twin_state *s, const twin_work *work)\n{\n    [[maybe_unused]] flushing now;\n    state = s;\n    bind(work);\n";
+    out << "}\nextern \"C\" __attribute__((visibility(\"default\"))) void twin_pass_" << index
+        << "(twin_state *s, const twin_work *work)\n{\n    [[maybe_unused]] flushing now;\n    state = s;\n    bind(work);\n";
     if (draws)
         out << "    for (int y = 0; y < work->groups[1]; ++y)\n        for (int x = 0; x < work->groups[0]; ++x) {\n"
             << "            gl_FragCoord = vec4(real(x) + real(0.5), real(y) + real(0.5), real(0), real(1));\n"
